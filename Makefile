@@ -1,0 +1,47 @@
+# `make fly` and `make test` set everything up by themselves in .venv; all they need is Python 3.11+, make and git.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+INSTALLED := $(VENV)/.installed
+CODE := sim planner aircraft recordings
+PYTEST_OPTIONS ?=
+
+.PHONY: fly test test-slow check format bench picture proto clean
+
+fly: $(INSTALLED)
+	$(BIN)/galeway fly ian
+
+test: check
+	$(BIN)/pytest -m "not slow" $(PYTEST_OPTIONS)
+
+test-slow: $(INSTALLED)
+	$(BIN)/pytest -m slow $(PYTEST_OPTIONS)
+
+check: $(INSTALLED)
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+format: $(INSTALLED)
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+bench: $(INSTALLED)
+	$(BIN)/python benchmarks/real_time_factor.py
+
+# The README's picture, from the recording that `make fly` leaves; needs a Vulkan driver (see docs/picture.py).
+picture: $(INSTALLED)
+	$(BIN)/python docs/picture.py runs/ian/flight.rrd
+
+proto: $(INSTALLED)
+	$(BIN)/python -m grpc_tools.protoc -I. --python_out=. recordings/galeway.proto
+
+$(INSTALLED): pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "galeway needs Python 3.11 or newer; try make PYTHON=python3.11")'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	@touch $@
+
+clean:
+	rm -rf $(VENV) runs build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

@@ -1,0 +1,1 @@
+"""Routes through weather that changes: grid, wind, hazard, search and plan."""

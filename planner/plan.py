@@ -1,0 +1,106 @@
+"""The plan: waypoints in time, and what became of every goal that was asked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import msgspec
+
+from planner.errors import BadPlanError
+
+FORMAT = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Waypoint:
+    """A position to be passed at a time; two in a row at one position are a wait (a loiter).
+
+    `lat_deg`, `lon_deg`: geodetic, WGS84; degrees, because a plan is a file before it is anything else.
+    `altitude_m`: above the ellipsoid. `time_s`: since departure. `stage`: the hour of weather it lies in.
+    """
+
+    lat_deg: float
+    lon_deg: float
+    altitude_m: float
+    time_s: float
+    stage: int
+
+
+@dataclass(frozen=True, slots=True)
+class GoalOutcome:
+    """What the sweep found for one goal: times since departure, or the reason why there is no route."""
+
+    name: str
+    lat_deg: float
+    lon_deg: float
+    reachable: bool
+    reason: str = ""
+    earliest_arrival_s: float | None = None
+    arrival_s: float | None = None
+    length_m: float | None = None
+    waiting_s: float | None = None
+    score: float | None = None
+    min_clearance_m: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """A route to `goal`, empty where it cannot be reached, beside the outcome of each goal.
+
+    `departure_s`: seconds since 1970-01-01 UTC. `objective`: which of a goal's arrivals the route takes,
+    "earliest" or "score".
+    """
+
+    planner: str
+    objective: str
+    departure_s: float
+    goal: str
+    waypoints: tuple[Waypoint, ...]
+    goals: tuple[GoalOutcome, ...]
+    format: int = FORMAT
+
+    @property
+    def outcome(self) -> GoalOutcome:
+        """The outcome of the goal that the route leads to."""
+        return next(outcome for outcome in self.goals if outcome.name == self.goal)
+
+    @property
+    def duration_s(self) -> float:
+        """From departure to the last waypoint [s]."""
+        return self.waypoints[-1].time_s if self.waypoints else 0.0
+
+    def to_json(self) -> bytes:
+        """The plan as indented JSON."""
+        return msgspec.json.format(msgspec.json.encode(self), indent=1) + b"\n"
+
+    @classmethod
+    def from_json(cls, text: bytes | str) -> Plan:
+        """Read a plan back.
+
+        Raises:
+            BadPlanError: if the text is not a plan of this format.
+        """
+        try:
+            plan = msgspec.json.decode(text, type=cls)
+        except msgspec.MsgspecError as error:
+            raise BadPlanError(f"not a galeway plan: {error}; make a new one with `galeway plan`") from error
+        if plan.format != FORMAT:
+            raise BadPlanError(f"the plan has format {plan.format}, this galeway reads {FORMAT}")
+        return plan
+
+    def save(self, path: Path) -> None:
+        """Write the plan as JSON."""
+        path.write_bytes(self.to_json())
+
+    @classmethod
+    def load(cls, path: Path) -> Plan:
+        """Read a plan from a file.
+
+        Raises:
+            BadPlanError: if the file cannot be read or is not a plan.
+        """
+        try:
+            return cls.from_json(path.read_bytes())
+        except OSError as error:
+            raise BadPlanError(f"cannot read the plan {path}: {error.strerror}") from error

@@ -1,0 +1,158 @@
+"""From wind and goals to a plan: hazard, the search, and the route as waypoints in time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from planner.errors import PlannerError
+from planner.grid import Grid, geodesic_m
+from planner.hazards import StageClock, clearance_of_cell_m, flyable_moves, hazard_stages
+from planner.plan import GoalOutcome, Plan, Waypoint
+from planner.score import Weights
+from planner.staged import Cell, GoalRoutes, Occupancy, Route, StagedProblem, search
+from planner.windfield import WindField
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A named position, geodetic WGS84 [deg]."""
+
+    name: str
+    lat_deg: float
+    lon_deg: float
+
+    def cell(self, grid: Grid, what: str) -> Cell:
+        """The grid cell it lies in; raises OutsideGridError off the grid."""
+        lat_rad, lon_rad = math.radians(self.lat_deg), math.radians(self.lon_deg)
+        return grid.nearest_cell(lat_rad, lon_rad, f"{what} {self.name}")
+
+
+@dataclass(frozen=True, slots=True)
+class PlanningRequest:
+    """What the staged planner is asked.
+
+    `objective`: which arrival the route takes, "earliest" or "score". `corridor_m`: half width of the room
+    kept below the threshold around every move. The airspeeds are the aircraft's envelope.
+    """
+
+    start: Place
+    goals: tuple[Place, ...]
+    goal: str
+    altitude_m: float
+    clock: StageClock
+    threshold_mps: float
+    corridor_m: float
+    airspeed_min_mps: float
+    airspeed_max_mps: float
+    objective: str = "score"
+    weights: Weights = Weights()  # noqa: RUF009 - frozen
+
+
+def plan_staged(wind: WindField, request: PlanningRequest) -> Plan:
+    """Plan through a wind field on the planner's grid, at the flight's altitude.
+
+    Args:
+        wind: two-dimensional forecast whose grid is the planner's.
+        request: start, goals, times and limits.
+
+    Returns:
+        The plan to `request.goal`, without waypoints where it cannot be reached, and every goal's outcome.
+
+    Raises:
+        PlannerError: if the goal is not one of the goals, or a position lies off the grid.
+    """
+    if request.goal not in (goal.name for goal in request.goals):
+        raise PlannerError(f"no goal is named {request.goal!r}; there are {_names(request.goals)}")
+    grid, clock = wind.grid, request.clock
+    hazard = hazard_stages(wind, clock, threshold_mps=request.threshold_mps, corridor_m=request.corridor_m)
+    problem = StagedProblem(
+        hazard,
+        clock,
+        request.weights,
+        Occupancy.STRICT,
+        flyable_moves(
+            wind,
+            clock,
+            airspeed_min_mps=request.airspeed_min_mps,
+            airspeed_max_mps=request.airspeed_max_mps,
+        ),
+    )
+    found = search(
+        problem,
+        request.start.cell(grid, "start"),
+        [goal.cell(grid, "goal") for goal in request.goals],
+    )
+    chosen = {
+        goal.name: routes.earliest if request.objective == "earliest" else routes.best
+        for goal, routes in zip(request.goals, found, strict=True)
+    }
+    outcomes = tuple(
+        _outcome(goal, routes, chosen[goal.name], problem, grid)
+        for goal, routes in zip(request.goals, found, strict=True)
+    )
+    route = chosen[request.goal]
+    return Plan(
+        planner="staged",
+        objective=request.objective,
+        departure_s=clock.departure_s,
+        goal=request.goal,
+        waypoints=_waypoints(route, grid, clock, request.altitude_m) if route else (),
+        goals=outcomes,
+    )
+
+
+def _names(places: Sequence[Place]) -> str:
+    return ", ".join(place.name for place in places)
+
+
+def _waypoints(route: Route, grid: Grid, clock: StageClock, altitude_m: float) -> tuple[Waypoint, ...]:
+    """One waypoint a step; of a wait only the first and the last."""
+    cells = route.cells
+    return tuple(
+        Waypoint(
+            lat_deg=math.degrees(grid.lat_rad[row]),
+            lon_deg=math.degrees(grid.lon_rad[column]),
+            altitude_m=altitude_m,
+            time_s=step * clock.step_s,
+            stage=clock.stage_of_step(step),
+        )
+        for step, (row, column) in enumerate(cells)
+        if not 0 < step < len(cells) - 1 or not cells[step - 1] == cells[step] == cells[step + 1]
+    )
+
+
+def _outcome(
+    goal: Place, routes: GoalRoutes, route: Route | None, problem: StagedProblem, grid: Grid
+) -> GoalOutcome:
+    if route is None or routes.earliest is None:
+        reason = str(routes.blocked)
+        return GoalOutcome(goal.name, goal.lat_deg, goal.lon_deg, reachable=False, reason=reason)
+    clock = problem.clock
+    clearance_m = min(
+        clearance_of_cell_m(grid, problem.hazard[clock.stage_of_step(step)], *cell)
+        for step, cell in enumerate(route.cells)
+    )
+    return GoalOutcome(
+        goal.name,
+        goal.lat_deg,
+        goal.lon_deg,
+        reachable=True,
+        earliest_arrival_s=routes.earliest.arrival_step * clock.step_s,
+        arrival_s=route.arrival_step * clock.step_s,
+        length_m=_length_m(route, grid),
+        waiting_s=route.waits * clock.step_s,
+        score=route.score,
+        min_clearance_m=clearance_m if math.isfinite(clearance_m) else None,
+    )
+
+
+def _length_m(route: Route, grid: Grid) -> float:
+    lat_rad, lon_rad = (
+        [float(axis[index]) for index in indices]
+        for axis, indices in zip((grid.lat_rad, grid.lon_rad), zip(*route.cells, strict=True), strict=True)
+    )
+    if len(lat_rad) < 2:
+        return 0.0
+    return float(sum(geodesic_m(lat_rad[:-1], lon_rad[:-1], lat_rad[1:], lon_rad[1:])))

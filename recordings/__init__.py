@@ -1,0 +1,1 @@
+"""Recordings of a flight: schema, writers and readers, tracking report and limits."""

@@ -1,0 +1,1 @@
+"""Scenarios, weather sources, the closed loop and the command line."""
