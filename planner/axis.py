@@ -34,7 +34,7 @@ class Span(NamedTuple):
     inverse: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Axis:
     """Rising nodes, and how far beyond the first and the last one a value may lie.
 

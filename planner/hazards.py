@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from planner.errors import BadFieldError, OutsideFieldError
+from planner.errors import BadFieldError
 from planner.grid import Grid
 from planner.windfield import WindField
 
@@ -87,31 +87,7 @@ def sheets(wind: WindField, clock: StageClock, stage: int) -> Iterator[tuple[Flo
     begin_s, end_s = clock.span_s(stage)
     inside = wind.time_s[(wind.time_s > begin_s) & (wind.time_s < end_s)]
     for time_s in (begin_s, *inside.tolist(), end_s):
-        yield wind_sheet(wind, time_s)
-
-
-def wind_sheet(wind: WindField, time_s: float) -> tuple[Floats, Floats]:
-    """The wind (north, east) of a two-dimensional field at one time, linear in time [m/s, toward].
-
-    Raises:
-        OutsideFieldError: if the field does not hold that time.
-    """
-    times_s = wind.time_s
-    if not times_s[0] <= time_s <= times_s[-1]:
-        raise OutsideFieldError(
-            f"the wind covers {(times_s[-1] - times_s[0]) / 3600.0:.1f} h, but a stage begins or ends "
-            f"{max(times_s[0] - time_s, time_s - times_s[-1]) / 3600.0:.1f} h outside them; "
-            "plan fewer stages or bring longer weather"
-        )
-    after = min(max(int(np.searchsorted(times_s, time_s)), 1), len(times_s) - 1)
-    if len(times_s) == 1:
-        return wind.north_mps[0], wind.east_mps[0]
-    share = np.float32((time_s - times_s[after - 1]) / (times_s[after] - times_s[after - 1]))
-    north, east = (
-        values[after - 1] + share * (values[after] - values[after - 1])
-        for values in (wind.north_mps, wind.east_mps)
-    )
-    return north, east
+        yield wind.sheet(time_s)
 
 
 def hazard_stages(wind: WindField, clock: StageClock, *, threshold_mps: float, corridor_m: float) -> Bools:

@@ -21,7 +21,6 @@ FieldArray = NDArray[np.float32] | NDArray[np.float64]
 
 _ROUNDING_S = 1e-3  # a clock that adds up steps may end this much beyond the last time
 _ROUNDING_M = 1e-6
-_TURN_RAD = 2.0 * math.pi
 
 
 class Wind(NamedTuple):
@@ -37,7 +36,7 @@ class Wind(NamedTuple):
         return math.hypot(self.north_mps, self.east_mps)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class WindField:
     """Wind on a grid at a series of times, and at a series of heights if it has any.
 
@@ -170,6 +169,20 @@ class WindField:
             height_m=None,
             down_mps=down_mps,
         )
+
+    def sheet(self, time_s: float) -> tuple[FieldArray, FieldArray]:
+        """The wind (north, east) of every cell at one time, shapes ([height,] north, east) [m/s, toward].
+
+        Raises:
+            OutsideFieldError: if the field does not hold that time, unless it has `hold`.
+        """
+        span = self.axes[0].span(time_s)
+        weight = (time_s - span.low) * span.inverse
+        north, east = (
+            (1.0 - weight) * values[span.first] + weight * values[span.second]
+            for values in (self.north_mps, self.east_mps)
+        )
+        return north, east
 
     def resampled(self, grid: Grid) -> WindField:
         """The same wind on another grid, bilinear in space.

@@ -1,0 +1,148 @@
+"""What a recording is made of, what a recorder does, and the fan-out to several recorders."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aircraft.reference import Reference
+from aircraft.state import Command, FlightState
+from planner.grid import Grid
+from planner.plan import Plan
+
+
+class Outcome(StrEnum):
+    """How a flight ended."""
+
+    ARRIVED = "arrived"
+    CRASHED = "crashed"
+    LEFT_WEATHER = "left_weather"
+    CANNOT_FOLLOW = "cannot_follow"
+    FUEL_OUT = "fuel_out"
+    NOT_FINITE = "not_finite"
+    INTERRUPTED = "interrupted"
+    INCOMPLETE = "incomplete"  # never written: what a reader says of a recording that just stops
+
+
+class Layer(StrEnum):
+    """Whose weather a sheet shows: what the planner saw, or what the aircraft flies through."""
+
+    FORECAST = "forecast"
+    TRUTH = "truth"
+
+
+@dataclass(frozen=True, slots=True)
+class WeatherSheet:
+    """The weather of one stage: arrays are [north, east] on the flight's grid.
+
+    `hazard`: bool, wind over the threshold at any time of the stage. `wind_north_mps`, `wind_east_mps`:
+    float32, toward, at the start of the stage and at the flight's altitude.
+    """
+
+    layer: Layer
+    stage: int
+    time_s: float
+    hazard: NDArray[np.bool_]
+    wind_north_mps: NDArray[np.float32]
+    wind_east_mps: NDArray[np.float32]
+
+
+@dataclass(frozen=True, slots=True)
+class FlightHeader:
+    """All that is known before take-off; it makes the recording explain itself.
+
+    `threshold_mps`: wind speed above which a cell is hazardous. `limits`: the scenario's own, one
+    expression each. `versions`: package to version, with "galeway" and "git" among them.
+    """
+
+    scenario: str
+    scenario_toml: str
+    seed: int
+    grid: Grid
+    plan: Plan
+    reference: Reference
+    threshold_mps: float
+    stage_s: float
+    airspeed_min_mps: float
+    airspeed_max_mps: float
+    limits: tuple[str, ...] = ()
+    versions: dict[str, str] = field(default_factory=dict)
+
+
+class GuidanceSample(NamedTuple):
+    """What guidance saw and asked for at one moment; errors as guidance knew them, for the eyes.
+
+    `path_m`: progress along the reference, in plane metres. `cross_track_m`: right of the reference
+    positive. `altitude_error_m`: above positive. `time_error_s`: late positive. `phase`: of the reference.
+    """
+
+    path_m: float
+    cross_track_m: float
+    altitude_error_m: float
+    time_error_s: float
+    phase: int
+    command: Command
+
+
+class Recorder(Protocol):
+    """Takes one flight. Times are seconds since departure, and never run backwards."""
+
+    def begin(self, header: FlightHeader) -> None:
+        """Open the file and write what is known before take-off."""
+
+    def weather(self, sheet: WeatherSheet) -> None:
+        """Write the weather of one stage, before its first sample."""
+
+    def sample(self, state: FlightState, guidance: GuidanceSample) -> None:
+        """Write one moment."""
+
+    def event(self, time_s: float, text: str) -> None:
+        """Write one event: a stage begins, a loiter, a warning."""
+
+    def finish(self, time_s: float, outcome: Outcome, detail: str) -> None:
+        """Write how the flight ended and give the file its finished name."""
+
+    def abandon(self) -> None:
+        """Close the file under its unfinished name; what was recorded stays readable."""
+
+
+class Recorders:
+    """Passes one flight on to several recorders."""
+
+    def __init__(self, recorders: Sequence[Recorder]) -> None:
+        self._recorders = tuple(recorders)
+
+    def begin(self, header: FlightHeader) -> None:
+        """See `Recorder.begin`."""
+        for recorder in self._recorders:
+            recorder.begin(header)
+
+    def weather(self, sheet: WeatherSheet) -> None:
+        """See `Recorder.weather`."""
+        for recorder in self._recorders:
+            recorder.weather(sheet)
+
+    def sample(self, state: FlightState, guidance: GuidanceSample) -> None:
+        """See `Recorder.sample`."""
+        for recorder in self._recorders:
+            recorder.sample(state, guidance)
+
+    def event(self, time_s: float, text: str) -> None:
+        """See `Recorder.event`."""
+        for recorder in self._recorders:
+            recorder.event(time_s, text)
+
+    def finish(self, time_s: float, outcome: Outcome, detail: str) -> None:
+        """See `Recorder.finish`."""
+        for recorder in self._recorders:
+            recorder.finish(time_s, outcome, detail)
+
+    def abandon(self) -> None:
+        """See `Recorder.abandon`."""
+        for recorder in self._recorders:
+            recorder.abandon()

@@ -1,0 +1,134 @@
+"""The one loop: plan → reference → guidance → aircraft ← wind, → recorder."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import count
+
+from aircraft.guidance import Guidance, Progress
+from aircraft.jsbsim_aircraft import JsbsimAircraft
+from aircraft.path import Phase
+from aircraft.state import FlightState
+from planner.errors import OutsideFieldError
+from planner.windfield import WindField
+from recordings.recorder import FlightHeader, GuidanceSample, Outcome, Recorder, WeatherSheet
+
+WIND_RAMP_S = 20.0
+"""The wind is brought in over so long, in the lead-in: the aircraft is trimmed in still air."""
+
+
+@dataclass(frozen=True, slots=True)
+class FlightSetup:
+    """All that one flight needs, the aircraft trimmed at the start of the reference's lead-in.
+
+    `sheets`: the weather to record, rising in time. `lead_in_s`: from the start to the first waypoint.
+    `off_path_limit_m`: distance from the reference at which the flight is given up.
+    """
+
+    header: FlightHeader
+    aircraft: JsbsimAircraft
+    guidance: Guidance
+    truth: WindField
+    sheets: tuple[WeatherSheet, ...]
+    guidance_hz: int
+    lead_in_s: float
+    off_path_limit_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """How a flight ended, and when, in seconds since departure."""
+
+    time_s: float
+    outcome: Outcome
+    detail: str
+
+
+def fly(setup: FlightSetup, recorder: Recorder, on_time: Callable[[float], object]) -> End:
+    """Fly until something ends it, and record it; what was recorded before an error stays readable.
+
+    Args:
+        setup: the flight.
+        recorder: takes it all.
+        on_time: told the time since departure [s] at every round of guidance, for a progress bar.
+    """
+    try:
+        recorder.begin(setup.header)
+        end = _loop(setup, recorder, on_time)
+        recorder.finish(end.time_s, end.outcome, end.detail)
+    except BaseException:
+        recorder.abandon()
+        raise
+    return end
+
+
+def _loop(setup: FlightSetup, recorder: Recorder, on_time: Callable[[float], object]) -> End:
+    aircraft, frame = setup.aircraft, setup.header.grid.frame
+    probe, departure_s = setup.truth.probe(), setup.header.plan.departure_s
+    steps, step_s = round(aircraft.rate_hz / setup.guidance_hz), 1.0 / aircraft.rate_hz
+    sheets, phase = deque(setup.sheets), Phase.LEAD_IN
+    for tick in count():
+        time_s = tick / setup.guidance_hz - setup.lead_in_s
+        while sheets and sheets[0].time_s <= time_s:
+            recorder.weather(sheets.popleft())
+        state = aircraft.state()
+        if not all(map(math.isfinite, state)):
+            return _not_finite(time_s, state)
+        north_m, east_m = frame.to_plane(state.lat_rad, state.lon_rad)
+        scale = frame.scale(state.lat_rad)
+        command, progress = setup.guidance.update(
+            state, north_m, east_m, scale, state.wind_north_mps, state.wind_east_mps
+        )
+        aircraft.command(command)
+        recorder.sample(state, GuidanceSample(*progress, command))
+        if progress.phase != phase:
+            _tell(recorder, time_s, phase, Phase(progress.phase))
+            phase = Phase(progress.phase)
+        on_time(time_s)
+        if end := _end(setup, time_s, state, progress):
+            return end
+        share = min((time_s + setup.lead_in_s) / WIND_RAMP_S, 1.0)
+        wind_time_s = departure_s + max(time_s, 0.0)
+        try:
+            for step in range(steps):
+                north, east, down = probe(wind_time_s + step * step_s, *aircraft.position())
+                aircraft.set_wind(share * north, share * east, share * down)
+                aircraft.step()
+        except OutsideFieldError as error:
+            if not aircraft.is_finite():
+                return _not_finite(time_s, aircraft.state())
+            return End(time_s, Outcome.LEFT_WEATHER, str(error))
+    raise AssertionError("unreachable: counting does not end")
+
+
+def _end(setup: FlightSetup, time_s: float, state: FlightState, progress: Progress) -> End | None:
+    """What ends the flight at this moment, if anything does."""
+    if setup.aircraft.has_crashed():
+        return End(time_s, Outcome.CRASHED, f"hit the ground at {state.airspeed_mps:.0f} m/s")
+    if progress.path_m >= setup.header.reference.waypoint_path_m[-1] - 0.1:
+        return End(time_s, Outcome.ARRIVED, f"passed {setup.header.plan.goal}")
+    if state.fuel_kg <= 0.0:
+        return End(time_s, Outcome.FUEL_OUT, "the tank is empty")
+    if abs(progress.cross_track_m) > setup.off_path_limit_m:
+        detail = (
+            f"{abs(progress.cross_track_m):.0f} m off the reference, limit {setup.off_path_limit_m:.0f} m"
+        )
+        return End(time_s, Outcome.CANNOT_FOLLOW, detail)
+    return None
+
+
+def _not_finite(time_s: float, state: FlightState) -> End:
+    bad = [name for name, value in state._asdict().items() if not math.isfinite(value)]
+    return End(time_s, Outcome.NOT_FINITE, f"no longer finite: {', '.join(bad)}")
+
+
+def _tell(recorder: Recorder, time_s: float, before: Phase, after: Phase) -> None:
+    if before is Phase.LEAD_IN:
+        recorder.event(time_s, "departure: end of the lead-in")
+    if after is Phase.LOITER:
+        recorder.event(time_s, "loiter begins")
+    elif before is Phase.LOITER:
+        recorder.event(time_s, "loiter ends")

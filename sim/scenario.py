@@ -1,0 +1,293 @@
+"""The scenario: one typed, frozen object from a TOML file, with values overridden from the command line."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import tomllib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import msgspec
+from msgspec import Meta, Struct
+
+from sim.errors import ScenarioError
+
+BUILT_IN_FOLDER = Path(__file__).parent / "scenarios"
+
+Positive = Annotated[float, Meta(gt=0.0)]
+NotNegative = Annotated[float, Meta(ge=0.0)]
+Count = Annotated[int, Meta(ge=1)]
+Latitude = Annotated[float, Meta(ge=-80.0, le=80.0)]
+Longitude = Annotated[float, Meta(ge=-180.0, le=360.0)]
+
+
+class PlaceTable(Struct, frozen=True):
+    """A named position [deg]."""
+
+    name: str
+    lat_deg: Latitude
+    lon_deg: Longitude
+
+
+class Mission(Struct, frozen=True):
+    """Where from, where to, when and how high.
+
+    `goals` are all planned in the same sweep; `goal` names the one that is flown.
+    """
+
+    departure: datetime
+    start: PlaceTable
+    goals: Annotated[tuple[PlaceTable, ...], Meta(min_length=1)]
+    goal: str
+    altitude_m: Annotated[float, Meta(ge=50.0, le=6000.0)] = 1000.0
+
+    @property
+    def departure_s(self) -> float:
+        """Departure, seconds since 1970-01-01 UTC; a time without an offset is UTC."""
+        departure = self.departure
+        return (departure if departure.tzinfo else departure.replace(tzinfo=UTC)).timestamp()
+
+
+class Weather(Struct, frozen=True):
+    """Where the wind comes from: a built-in storm by its HURDAT2 id, or a CF NetCDF file of one's own."""
+
+    storm: str | None = None
+    file: str | None = None
+
+
+class GridTable(Struct, frozen=True):
+    """Cell size of the planner's grid and its area; without an area, that of the weather file."""
+
+    cell_m: Annotated[float, Meta(ge=100.0, le=50_000.0)] = 3600.0
+    south_deg: Latitude | None = None
+    north_deg: Latitude | None = None
+    west_deg: Longitude | None = None
+    east_deg: Longitude | None = None
+
+
+class Stages(Struct, frozen=True):
+    """The planner's clock: a stage of weather holds `steps` steps of `step_s`; one step moves one cell."""
+
+    count: Annotated[int, Meta(ge=1, le=240)] = 18
+    steps: Annotated[int, Meta(ge=1, le=1000)] = 30
+    step_s: Positive = 120.0
+
+
+class Hazard(Struct, frozen=True):
+    """What is dangerous: wind above the threshold, anywhere within a corridor around the path."""
+
+    threshold_mps: Positive = 15.0
+    corridor_m: NotNegative = 1100.0
+
+
+class PlannerTable(Struct, frozen=True):
+    """Which planner, which of a goal's arrivals, and the weights of the score (equation 2 of the paper).
+
+    `airspeed_margin_mps` is what the planner leaves of the aircraft's envelope at either end, so that the
+    flight can make up for gusts and corners.
+    """
+
+    kind: Literal["staged"] = "staged"
+    objective: Literal["earliest", "score"] = "score"
+    alpha: NotNegative = 1.0
+    beta: NotNegative = 1.0
+    gamma: NotNegative = 0.1
+    delta: NotNegative = 0.1
+    clearance_cap_cells: NotNegative = 30.0
+    airspeed_margin_mps: NotNegative = 2.0
+
+
+class AircraftTable(Struct, frozen=True):
+    """Which aircraft, and the radii of its turns and loiter circles over ground."""
+
+    model: str = "aerosonde"
+    turn_radius_m: Positive = 250.0
+    loiter_radius_m: Positive = 550.0
+
+
+class TurbulenceTable(Struct, frozen=True):
+    """Turbulence: none, or MIL-F-8785C with JSBSim's severity index (3 light, 4 moderate, 5 to 7 severe)."""
+
+    kind: Literal["none", "milspec"] = "milspec"
+    severity: Annotated[int, Meta(ge=0, le=7)] = 3
+
+
+class Flight(Struct, frozen=True):
+    """How the flight is simulated and when it is given up.
+
+    The aircraft flies a straight lead-in of `lead_in_s` before the first waypoint, on which wind and
+    turbulence are brought in. It cannot follow when it is further than `off_path_limit_m` from the reference.
+    """
+
+    simulation_hz: Annotated[int, Meta(ge=30, le=480)] = 60
+    guidance_hz: Annotated[int, Meta(ge=1, le=60)] = 10
+    lead_in_s: Annotated[float, Meta(ge=20.0, le=600.0)] = 60.0
+    off_path_limit_m: Positive = 500.0
+
+
+class Scenario(Struct, frozen=True):
+    """One flight, whole: everything that decides it stands here."""
+
+    name: Annotated[str, Meta(pattern="^[A-Za-z0-9_.-]+$")]
+    mission: Mission
+    weather: Weather
+    description: str = ""
+    seed: Annotated[int, Meta(ge=0, le=2**31 - 1)] = 1
+    limits: tuple[str, ...] = ()
+    grid: GridTable = GridTable()
+    stages: Stages = Stages()
+    hazard: Hazard = Hazard()
+    planner: PlannerTable = PlannerTable()
+    aircraft: AircraftTable = AircraftTable()
+    turbulence: TurbulenceTable = TurbulenceTable()
+    flight: Flight = Flight()
+
+
+@dataclass(frozen=True, slots=True)
+class LoadedScenario:
+    """A scenario with the text that it was read from (overrides on top, as comments) and its folder."""
+
+    scenario: Scenario
+    toml: str
+    folder: Path
+
+
+def built_in_names() -> list[str]:
+    """Names of the scenarios that ship with galeway."""
+    return sorted(path.stem for path in BUILT_IN_FOLDER.glob("*.toml"))
+
+
+def load_scenario(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedScenario:
+    """Read a scenario by its built-in name or its path.
+
+    Args:
+        name_or_path: for example "ian" or "missions/my.toml".
+        overrides: "table.key=value", the value in TOML or a bare word; checked like the file.
+
+    Raises:
+        ScenarioError: if there is no such scenario, or anything in it or in an override is wrong.
+    """
+    path = _find(name_or_path)
+    try:
+        text = path.read_text(encoding="utf-8")
+        tables = tomllib.loads(text)
+    except (OSError, UnicodeDecodeError) as error:
+        raise ScenarioError(f"cannot read the scenario {path}: {error}") from error
+    except tomllib.TOMLDecodeError as error:
+        raise ScenarioError(f"{path} is not TOML: {error}") from error
+    for override in overrides:
+        _override(tables, override)
+    notes = "".join(f"# --set {override}\n" for override in overrides)
+    return LoadedScenario(parse_scenario(tables, str(path)), notes + text, path.parent)
+
+
+def parse_scenario(tables: dict[str, Any], source: str) -> Scenario:
+    """Check tables as TOML gives them and make a scenario of them.
+
+    Raises:
+        ScenarioError: naming the key, the value or limit, and the nearest valid key if it is unknown.
+    """
+    _refuse_unknown_keys(tables, msgspec.inspect.type_info(Scenario), source)
+    for key, value in _leaves(tables):
+        if isinstance(value, float) and not math.isfinite(value):
+            raise ScenarioError(f"{source}: {key} is {value}; give a finite number")
+    try:
+        scenario = msgspec.convert(tables, Scenario)
+    except msgspec.ValidationError as error:
+        what, _, where = str(error).partition(" - at `$.")
+        key = where.rstrip("`")
+        given = dict(_leaves(tables)).get(key)
+        shown = f" is {given!r}" if given is not None else ""
+        raise ScenarioError(f"{source}: {key or 'the scenario'}{shown}: {what}") from error
+    _check_together(scenario, source)
+    return scenario
+
+
+def _find(name_or_path: str) -> Path:
+    built_in = BUILT_IN_FOLDER / f"{name_or_path}.toml"
+    if name_or_path in built_in_names():
+        return built_in
+    path = Path(name_or_path)
+    if path.is_file():
+        return path
+    nearest = _nearest(name_or_path, built_in_names())
+    raise ScenarioError(
+        f"no scenario {name_or_path!r}: neither a file nor one of {', '.join(built_in_names())}{nearest}"
+    )
+
+
+def _nearest(word: str, known: Sequence[str]) -> str:
+    match = difflib.get_close_matches(word, known, n=1, cutoff=0.5)
+    return f"; did you mean {match[0]!r}?" if match else ""
+
+
+def _override(tables: dict[str, Any], override: str) -> None:
+    key, equals, text = override.partition("=")
+    *path, last = key.strip().split(".")
+    if not equals or not last:
+        raise ScenarioError(f"--set {override!r} is not of the form table.key=value")
+    try:
+        value = tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        value = text.strip()
+    for name in path:
+        tables = tables.setdefault(name, {})
+        if not isinstance(tables, dict):
+            raise ScenarioError(f"--set {override!r}: {name!r} is a value, not a table")
+    tables[last] = value
+
+
+def _refuse_unknown_keys(value: Any, info: Any, source: str, where: str = "") -> None:
+    if isinstance(info, msgspec.inspect.StructType) and isinstance(value, dict):
+        fields = {field.encode_name: field.type for field in info.fields}
+        for key, inner in value.items():
+            if key not in fields:
+                remedy = _nearest(key, list(fields)) or f"; the keys are {', '.join(fields)}"
+                raise ScenarioError(f"{source}: unknown key {where + key!r}{remedy}")
+            _refuse_unknown_keys(inner, fields[key], source, f"{where}{key}.")
+    elif isinstance(info, msgspec.inspect.VarTupleType) and isinstance(value, list):
+        for inner in value:
+            _refuse_unknown_keys(inner, info.item_type, source, where)
+
+
+def _leaves(value: Any, where: str = "") -> Iterator[tuple[str, Any]]:
+    """Every plain value with its path, written as msgspec writes it."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield from _leaves(inner, f"{where}.{key}" if where else key)
+    elif isinstance(value, list):
+        for inner in value:
+            yield from _leaves(inner, f"{where}[...]")
+    else:
+        yield where, value
+
+
+def _check_together(scenario: Scenario, source: str) -> None:
+    """What no key can be checked for alone."""
+    mission, grid, weather = scenario.mission, scenario.grid, scenario.weather
+    names = [goal.name for goal in mission.goals]
+    if mission.goal not in names:
+        raise ScenarioError(
+            f"{source}: mission.goal {mission.goal!r} is not among the goals {', '.join(names)}"
+            f"{_nearest(mission.goal, names)}"
+        )
+    if len(set(names)) < len(names):
+        raise ScenarioError(f"{source}: two of mission.goals have one name; name each once")
+    if (weather.storm is None) == (weather.file is None):
+        raise ScenarioError(f'{source}: [weather] needs either storm = "AL092022" or file = "wind.nc"')
+    missing = sum(bound is None for bound in (grid.south_deg, grid.north_deg, grid.west_deg, grid.east_deg))
+    if missing and (weather.storm or missing < 4):
+        raise ScenarioError(f"{source}: [grid] needs all of south_deg, north_deg, west_deg, east_deg")
+    if grid.south_deg is not None and grid.north_deg is not None and not grid.south_deg < grid.north_deg:
+        raise ScenarioError(
+            f"{source}: grid.south_deg {grid.south_deg} is not south of north_deg {grid.north_deg}"
+        )
+    if scenario.flight.simulation_hz % scenario.flight.guidance_hz:
+        raise ScenarioError(
+            f"{source}: flight.simulation_hz {scenario.flight.simulation_hz} is no multiple of "
+            f"guidance_hz {scenario.flight.guidance_hz}"
+        )

@@ -1,0 +1,1 @@
+"""Where wind fields come from."""

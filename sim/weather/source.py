@@ -1,0 +1,152 @@
+"""The weather of a scenario: the forecast on the planner's grid, and the wind as it is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from planner.grid import Grid
+from planner.windfield import WindField
+from sim.errors import WeatherError
+from sim.scenario import GridTable, LoadedScenario, Scenario
+from sim.weather.best_track import HURRICANE_IAN, BestTrackFix
+from sim.weather.files import read_wind
+from sim.weather.vortex import vortex_field
+
+STORMS: dict[str, tuple[BestTrackFix, ...]] = {"AL092022": HURRICANE_IAN}
+"""Best tracks that ship with galeway, by HURDAT2 id."""
+
+SHEET_INTERVAL_S = 1800.0
+"""Between two times of a storm's wind field: a storm moves less than its radius of maximum wind in it."""
+
+LATE_S = 3600.0
+"""Wind kept beyond the planner's horizon, for a flight that is late."""
+
+
+@dataclass(frozen=True, slots=True)
+class MissionWeather:
+    """What the planner sees and what the aircraft flies through.
+
+    `forecast`: without heights, at the mission's altitude, on the planner's grid. `truth`: as it is.
+    """
+
+    forecast: WindField
+    truth: WindField
+
+
+def bring_weather(loaded: LoadedScenario) -> MissionWeather:
+    """Make or read the wind that a scenario names.
+
+    Raises:
+        WeatherError: if there is no such storm or file, or it does not hold the mission's area and time.
+    """
+    scenario = loaded.scenario
+    if scenario.weather.file is not None:
+        truth = read_wind(loaded.folder / scenario.weather.file)
+        _check_time(truth, scenario, scenario.weather.file)
+        grid = refined_grid(truth.grid, scenario.grid, scenario.weather.file)
+        forecast = truth.at_altitude(scenario.mission.altitude_m).resampled(grid)
+        return MissionWeather(forecast, truth)
+    truth = _storm(scenario)
+    return MissionWeather(truth, truth)
+
+
+def _storm(scenario: Scenario) -> WindField:
+    storm = scenario.weather.storm or ""
+    if storm not in STORMS:
+        raise WeatherError(f"no storm {storm!r} ships with galeway; there are {', '.join(sorted(STORMS))}")
+    begin_s = scenario.mission.departure_s
+    end_s = min(begin_s + _horizon_s(scenario) + LATE_S, STORMS[storm][-1].time_s)
+    count = max(math.ceil((end_s - begin_s) / SHEET_INTERVAL_S), 1) + 1
+    return vortex_field(STORMS[storm], _area_grid(scenario.grid), np.linspace(begin_s, end_s, count))
+
+
+def _horizon_s(scenario: Scenario) -> float:
+    stages = scenario.stages
+    return stages.count * stages.steps * stages.step_s
+
+
+def _area_grid(table: GridTable) -> Grid:
+    """The grid over the scenario's own area, its cells as near to `cell_m` as whole numbers allow."""
+    assert table.south_deg is not None  # the scenario has checked that a storm comes with an area
+    assert table.north_deg is not None
+    assert table.west_deg is not None
+    assert table.east_deg is not None
+    west_deg, east_deg = table.west_deg, table.east_deg
+    if east_deg <= west_deg:  # across the date line
+        east_deg += 360.0
+    south, north, west, east = map(math.radians, (table.south_deg, table.north_deg, west_deg, east_deg))
+    coarse = Grid.covering(south, north, west, east, rows=3, columns=3)
+    rows = round(2 * float(coarse.north_cell_m[1]) / table.cell_m) + 1
+    columns = round(2 * float(coarse.east_cell_m[1]) / table.cell_m) + 1
+    return Grid.covering(south, north, west, east, rows=max(rows, 2), columns=max(columns, 2))
+
+
+def refined_grid(native: Grid, table: GridTable, source: str | Path) -> Grid:
+    """The planner's grid inside a file's: its cells split so that every node of the file stays a node.
+
+    Wind is bilinear between the file's nodes; keeping them keeps the promise of the hazard matrices, that no
+    wind over the threshold hides between two safe cells.
+
+    Args:
+        native: the file's grid.
+        table: the cell size wanted and, if given, the area.
+        source: the file, for messages.
+
+    Raises:
+        WeatherError: if the area reaches outside the file.
+    """
+    rows, columns = range(native.rows), range(native.columns)
+    if table.south_deg is not None and table.north_deg is not None:
+        rows = _nodes_around(native.indices, table.south_deg, table.north_deg, 0, native.rows, source)
+    if table.west_deg is not None and table.east_deg is not None:
+        columns = _nodes_around(native.indices, table.west_deg, table.east_deg, 1, native.columns, source)
+    middle = rows[len(rows) // 2]
+    north_splits = max(round(float(native.north_cell_m[middle]) / table.cell_m), 1)
+    east_splits = max(round(float(native.east_cell_m[middle]) / table.cell_m), 1)
+    return Grid(
+        float(native.lat_rad[rows[0]]),
+        float(native.lon_rad[columns[0]]),
+        native.north_step_rad / north_splits,
+        native.east_step_rad / east_splits,
+        (len(rows) - 1) * north_splits + 1,
+        (len(columns) - 1) * east_splits + 1,
+    )
+
+
+def _nodes_around(
+    indices: Callable[[float, float], tuple[float, float]],
+    low_deg: float,
+    high_deg: float,
+    axis: int,
+    count: int,
+    source: str | Path,
+) -> range:
+    """The file's nodes from the last one below an area to the first one above it."""
+    low, high = (indices(math.radians(bound), math.radians(bound))[axis] for bound in (low_deg, high_deg))
+    first, last = math.floor(low + 1e-6), math.ceil(high - 1e-6)
+    if first < 0 or last > count - 1 or last <= first:
+        name = ("latitudes", "longitudes")[axis]
+        raise WeatherError(
+            f"{source} does not hold the {name} {low_deg} to {high_deg} deg of [grid]; "
+            "give an area inside the file, or leave it out to use all of it"
+        )
+    return range(first, last + 1)
+
+
+def _check_time(wind: WindField, scenario: Scenario, source: str) -> None:
+    begin_s = scenario.mission.departure_s
+    end_s = begin_s + _horizon_s(scenario)
+    if begin_s < wind.time_s[0] or end_s > wind.time_s[-1]:
+        have, want = (
+            " to ".join(str(np.datetime64(int(end), "s")) for end in ends)
+            for ends in ((wind.time_s[0], wind.time_s[-1]), (begin_s, end_s))
+        )
+        raise WeatherError(
+            f"{source} holds {have} UTC, but the mission takes {want}; "
+            "change mission.departure or stages.count, or bring longer weather"
+        )

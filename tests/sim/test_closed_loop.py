@@ -1,0 +1,133 @@
+"""The closed loop on the real aircraft: it arrives, and each thing that can end a flight ends it."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from recordings.recorder import Layer, Outcome
+from sim.closed_loop import WIND_RAMP_S, fly
+
+TANK = "propulsion/tank/contents-lbs"
+
+
+def ignore(_):
+    pass
+
+
+def test_it_arrives_on_the_path_and_on_time(ready, kept):
+    setup = ready()
+    end = fly(setup, kept, ignore)
+    assert end.outcome is Outcome.ARRIVED
+    assert end.time_s == pytest.approx(setup.header.plan.duration_s, abs=5.0)
+    assert kept.end == (end.time_s, end.outcome, end.detail)
+    assert kept.header is setup.header
+    assert not kept.abandoned
+    flown = [(state, guidance) for state, guidance in kept.samples if state.time_s >= 0.0]
+    assert np.percentile([abs(guidance.cross_track_m) for _, guidance in flown], 95) < 2.0
+    assert np.percentile([abs(guidance.altitude_error_m) for _, guidance in flown], 95) < 3.0
+    times_s = [state.time_s for state, _ in kept.samples]
+    assert times_s[0] == -setup.lead_in_s
+    assert np.diff(times_s) == pytest.approx(0.1)
+    assert kept.events[0][1].startswith("departure")
+
+
+def test_the_wind_that_is_flown_in_is_the_truth_at_the_aircraft(ready, kept):
+    setup = ready("turbulence.kind=none")
+    fly(setup, kept, ignore)
+    departure_s = setup.header.plan.departure_s
+    for state, _ in kept.samples[len(kept.samples) // 2 :: 500]:
+        north, east, _ = setup.truth.at(
+            departure_s + state.time_s, state.lat_rad, state.lon_rad, state.altitude_m
+        )
+        assert (state.wind_north_mps, state.wind_east_mps) == pytest.approx((north, east), abs=1e-3)
+        ground = state.north_mps - north, state.east_mps - east, state.down_mps
+        assert state.airspeed_mps == pytest.approx(math.hypot(*ground), abs=0.05)
+    assert kept.samples[1][0].time_s < -setup.lead_in_s + WIND_RAMP_S
+    assert math.hypot(kept.samples[1][0].wind_north_mps, kept.samples[1][0].wind_east_mps) < 0.2
+
+
+def test_each_stage_is_recorded_in_both_layers_before_its_samples(ready, kept):
+    setup = ready("stages.count=3", "stages.steps=5")
+    fly(setup, kept, ignore)
+    assert [(sheet.stage, sheet.layer) for _, sheet in kept.sheets][:4] == [
+        (0, Layer.FORECAST),
+        (0, Layer.TRUTH),
+        (1, Layer.FORECAST),
+        (1, Layer.TRUTH),
+    ]
+    for samples_before, sheet in kept.sheets:
+        assert samples_before == 0 or kept.samples[samples_before - 1][0].time_s < sheet.time_s
+
+
+def test_the_same_seed_gives_the_same_flight_and_another_does_not(ready, kept):
+    flights = []
+    for seed in (3, 3, 4):
+        recorder = type(kept)()
+        fly(ready(f"seed={seed}"), recorder, ignore)
+        flights.append(recorder.samples)
+    assert flights[0] == flights[1]
+    assert flights[0] != flights[2]
+
+
+def with_truth(setup, **changes):
+    return replace(setup, truth=replace(setup.truth, **changes))
+
+
+def test_wind_that_ends_early_ends_the_flight(ready, kept):
+    setup = ready()
+    short = np.array([0.0, 300.0]) + setup.header.plan.departure_s
+    truth = setup.truth
+    setup = with_truth(setup, time_s=short, north_mps=truth.north_mps[:2], east_mps=truth.east_mps[:2])
+    end = fly(setup, kept, ignore)
+    assert end.outcome is Outcome.LEFT_WEATHER
+    assert end.time_s == pytest.approx(300.0, abs=0.2)
+    assert "time" in end.detail
+
+
+def test_a_gale_that_nobody_foresaw_cannot_be_followed_through(ready, kept):
+    setup = ready()
+    end = fly(with_truth(setup, north_mps=np.full_like(setup.truth.north_mps, 60.0)), kept, ignore)
+    assert end.outcome is Outcome.CANNOT_FOLLOW
+    assert "limit 500 m" in end.detail
+
+
+def test_a_downdraught_into_the_ground_is_a_crash(ready, kept):
+    setup = ready("mission.altitude_m=60")
+    end = fly(with_truth(setup, down_mps=np.full_like(setup.truth.north_mps, 12.0)), kept, ignore)
+    assert end.outcome is Outcome.CRASHED
+
+
+def test_an_empty_tank_ends_the_flight(ready, kept):
+    setup = ready()
+    setup.aircraft._fdm[TANK] = 0.02  # pounds
+    end = fly(setup, kept, ignore)
+    assert end.outcome is Outcome.FUEL_OUT
+    assert 0.0 < end.time_s < setup.header.plan.duration_s / 2
+
+
+def test_numbers_that_are_not_finite_end_the_flight(ready, kept):
+    setup = ready()
+
+    def spoil(time_s):
+        if time_s >= 30.0:
+            setup.aircraft._fdm[TANK] = math.nan
+
+    end = fly(setup, kept, spoil)
+    assert end.outcome is Outcome.NOT_FINITE
+    assert end.time_s == pytest.approx(30.0, abs=0.3)
+    assert "fuel_kg" in end.detail
+    assert all(math.isfinite(value) for state, _ in kept.samples for value in state)
+
+
+def test_an_error_in_the_loop_abandons_the_recording(ready, kept):
+    def interrupt(time_s):
+        if time_s > 10.0:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        fly(ready(), kept, interrupt)
+    assert kept.abandoned
+    assert kept.end is None
+    assert kept.samples

@@ -1,0 +1,140 @@
+"""Scenarios: what ships is sound, and what is wrong is named."""
+
+import math
+
+import pytest
+
+from sim.errors import ScenarioError
+from sim.scenario import built_in_names, load_scenario
+
+MINIMAL = """
+name = "mine"
+[mission]
+departure = 2022-09-29T06:00:00Z
+goal = "b"
+start = { name = "a", lat_deg = 29.0, lon_deg = -90.0 }
+goals = [{ name = "b", lat_deg = 28.0, lon_deg = -89.0 }]
+[weather]
+file = "wind.nc"
+"""
+
+
+@pytest.fixture
+def write(tmp_path):
+    def written(text):
+        path = tmp_path / "mine.toml"
+        path.write_text(text, encoding="utf-8")
+        return str(path)
+
+    return written
+
+
+def test_ian_is_the_paper_sized_mission():
+    loaded = load_scenario("ian")
+    scenario = loaded.scenario
+    assert (scenario.stages.count, scenario.stages.steps, scenario.stages.step_s) == (18, 30, 120.0)
+    assert scenario.mission.departure_s == 1664409600.0  # 2022-09-29 00:00 UTC
+    assert scenario.hazard.threshold_mps == 15.0
+    assert len(scenario.mission.goals) == 10
+    assert scenario.limits
+    assert loaded.toml.startswith("# Hurricane Ian")
+
+
+@pytest.mark.parametrize("name", built_in_names())
+def test_every_built_in_scenario_loads(name):
+    assert load_scenario(name).scenario.name == name
+
+
+def test_an_own_file_gets_defaults(write):
+    loaded = load_scenario(write(MINIMAL))
+    assert loaded.scenario.weather.file == "wind.nc"
+    assert loaded.scenario.hazard.threshold_mps == 15.0
+    assert loaded.scenario.grid.south_deg is None
+
+
+@pytest.mark.parametrize(
+    ("override", "get", "value"),
+    [
+        ("turbulence.severity=4", lambda s: s.turbulence.severity, 4),
+        ("turbulence.kind=none", lambda s: s.turbulence.kind, "none"),
+        ("mission.goal=Key West", lambda s: s.mission.goal, "Key West"),
+        ('mission.goal="Key West"', lambda s: s.mission.goal, "Key West"),
+        ("hazard.threshold_mps=20", lambda s: s.hazard.threshold_mps, 20.0),
+        ("limits=[]", lambda s: s.limits, ()),
+        ("seed=9", lambda s: s.seed, 9),
+        ("mission.departure=2022-09-29T06:00:00", lambda s: s.mission.departure_s, 1664431200.0),
+    ],
+)
+def test_overrides(override, get, value):
+    loaded = load_scenario("ian", [override])
+    assert get(loaded.scenario) == value
+    assert f"# --set {override}\n" in loaded.toml
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("turbulence.severty=4", r"unknown key 'turbulence.severty'; did you mean 'severity'"),
+        ("turbulence.severity=9", r"turbulence.severity is 9: .*<= 7"),
+        ("turbulence.severity=high", r"turbulence.severity is 'high': .*int"),
+        ("mission.goal=Miamy", r"'Miamy' is not among the goals .*did you mean 'Miami'"),
+        ("planner.kind=magic", r"planner.kind is 'magic'"),
+        ("hazard.threshold_mps=nan", r"hazard.threshold_mps is nan; give a finite number"),
+        ("hazard.threshold_mps=-1", r"hazard.threshold_mps"),
+        ("weather.file=x.nc", r"\[weather\] needs either"),
+        ("flight.guidance_hz=7", r"no multiple"),
+        ("grid.south_deg=40", r"not south of"),
+        ("seed", r"not of the form"),
+        ("seed.more=1", r"'seed' is a value, not a table"),
+        ("mission.start.lat_deg=95", r"lat_deg"),
+    ],
+)
+def test_wrong_overrides_are_named(override, message):
+    with pytest.raises(ScenarioError, match=message):
+        load_scenario("ian", [override])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (
+            "lon_deg = -89.0",
+            "long_deg = -89.0",
+            "unknown key 'mission.goals.long_deg'; did you mean 'lon_deg'",
+        ),
+        ("[weather]", "[wether]", "unknown key 'wether'; did you mean 'weather'"),
+        ("departure = 2022-09-29T06:00:00Z", "", "departure"),
+        ("lat_deg = 28.0", "lat_deg = nan", "lat_deg is nan"),
+        ('name = "mine"', 'name = "my/../mine"', "name"),
+        ("[weather]", "[weather", "is not TOML"),
+        ('file = "wind.nc"', "", "needs either"),
+        (
+            'goals = [{ name = "b"',
+            'goals = [{ name = "b", lat_deg = 1.0, lon_deg = 1.0 }, { name = "b"',
+            "one name",
+        ),
+    ],
+)
+def test_wrong_files_are_named(write, old, new, message):
+    assert old in MINIMAL
+    with pytest.raises(ScenarioError, match=message):
+        load_scenario(write(MINIMAL.replace(old, new, 1)))
+
+
+def test_a_missing_scenario_names_those_that_ship():
+    with pytest.raises(ScenarioError, match="did you mean 'ian'"):
+        load_scenario("iann")
+    with pytest.raises(ScenarioError, match="neither a file nor one of"):
+        load_scenario("missing.toml")
+
+
+def test_binary_rubbish_is_refused(tmp_path):
+    path = tmp_path / "rubbish.toml"
+    path.write_bytes(bytes(range(128, 256)))
+    with pytest.raises(ScenarioError, match="cannot read"):
+        load_scenario(str(path))
+
+
+def test_local_time_without_offset_is_utc(write):
+    loaded = load_scenario(write(MINIMAL.replace("T06:00:00Z", "T06:00:00")))
+    assert math.isclose(loaded.scenario.mission.departure_s, 1664431200.0)
