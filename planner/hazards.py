@@ -12,10 +12,9 @@ from scipy import ndimage
 
 from planner.errors import BadFieldError
 from planner.grid import Grid
-from planner.windfield import WindField
+from planner.windfield import FieldArray, WindField
 
 Bools = NDArray[np.bool_]
-Floats = NDArray[np.float32]
 
 
 class Move(IntEnum):
@@ -78,7 +77,7 @@ class StageClock:
         return begin_s, begin_s + self.stage_s
 
 
-def sheets(wind: WindField, clock: StageClock, stage: int) -> Iterator[tuple[Floats, Floats]]:
+def sheets(wind: WindField, clock: StageClock, stage: int) -> Iterator[tuple[FieldArray, FieldArray]]:
     """The wind (north, east) [north, east] at every time that decides a stage.
 
     These are its two ends and each time of the field between them. Wind is linear in time between them and
@@ -128,7 +127,7 @@ def hazard_stages(wind: WindField, clock: StageClock, *, threshold_mps: float, c
     )
 
 
-def _largest_speed_in_room(north: Floats, east: Floats, north_share: float, east_share: float) -> Floats:
+def _largest_speed_in_room(north: FieldArray, east: FieldArray, north_share: float, east_share: float) -> FieldArray:
     largest = np.zeros_like(north)
     for row_offset in (0, 1, -1):
         for column_offset in (0, 1, -1):
@@ -140,14 +139,14 @@ def _largest_speed_in_room(north: Floats, east: Floats, north_share: float, east
     return largest
 
 
-def _blend(values: Floats, offset: int, share: float, axis: int) -> Floats:
+def _blend(values: FieldArray, offset: int, share: float, axis: int) -> FieldArray:
     """Values at a share of a cell toward the neighbour, the outermost cells kept as they are."""
     if offset == 0 or share == 0.0:
         return values
     return values + np.float32(share) * (neighbour(values, offset, axis) - values)
 
 
-def neighbour(values: Floats, offset: int, axis: int) -> Floats:
+def neighbour(values: FieldArray, offset: int, axis: int) -> FieldArray:
     """The value one cell on in an axis; the outermost cell repeats."""
     index = np.clip(np.arange(values.shape[axis]) + offset, 0, values.shape[axis] - 1)
     return values.take(index, axis=axis)
@@ -216,18 +215,26 @@ def clearance_cells(hazard: Bools, cap_cells: float) -> NDArray[np.float64]:
     return clearance
 
 
-def clearance_of_cell_m(grid: Grid, hazard: Bools, row: int, column: int) -> float:
-    """True distance from a cell's centre to that of the nearest hazardous cell [m], infinite without one.
+def clearance_m(grid: Grid, hazard: Bools) -> NDArray[np.float64]:
+    """True distance from each cell's centre to that of the nearest hazardous one [m].
 
     Args:
         grid: the grid.
         hazard: one stage, shape [north, east].
-        row: of the cell.
-        column: of the cell.
+
+    Returns:
+        Shape [north, east], 0 in hazardous cells, infinite where there is no hazard at all.
     """
-    rows, columns = np.nonzero(hazard)
-    if not rows.size:
-        return float("inf")
-    north_m = (rows - row) * float(grid.north_cell_m[row])
-    east_m = (columns - column) * grid.east_cell_m[(rows + row) // 2]
-    return float(np.hypot(north_m, east_m).min())
+    if not hazard.any():
+        return np.full(hazard.shape, np.inf)
+    middle = grid.rows // 2
+    rows, columns = ndimage.distance_transform_edt(
+        ~hazard,
+        sampling=(float(grid.north_cell_m[middle]), float(grid.east_cell_m[middle])),
+        return_distances=False,
+        return_indices=True,
+    )
+    own_rows, own_columns = np.indices(grid.shape)
+    north_m = (rows - own_rows) * grid.north_cell_m[(rows + own_rows) // 2]
+    east_m = (columns - own_columns) * grid.east_cell_m[(rows + own_rows) // 2]
+    return np.asarray(np.hypot(north_m, east_m), dtype=np.float64)

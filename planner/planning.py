@@ -6,9 +6,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from planner.errors import PlannerError
 from planner.grid import Grid, geodesic_m
-from planner.hazards import StageClock, clearance_of_cell_m, flyable_moves, hazard_stages
+from planner.hazards import StageClock, clearance_m, flyable_moves, hazard_stages
 from planner.plan import GoalOutcome, Plan, Waypoint
 from planner.score import Weights
 from planner.staged import Cell, GoalRoutes, Occupancy, Route, StagedProblem, search
@@ -88,8 +91,9 @@ def plan_staged(wind: WindField, request: PlanningRequest) -> Plan:
         goal.name: routes.earliest if request.objective == "earliest" else routes.best
         for goal, routes in zip(request.goals, found, strict=True)
     }
+    clear_m = [clearance_m(grid, stage) for stage in hazard]
     outcomes = tuple(
-        _outcome(goal, routes, chosen[goal.name], problem, grid)
+        _outcome(goal, routes, chosen[goal.name], clear_m, clock, grid)
         for goal, routes in zip(request.goals, found, strict=True)
     )
     route = chosen[request.goal]
@@ -124,16 +128,17 @@ def _waypoints(route: Route, grid: Grid, clock: StageClock, altitude_m: float) -
 
 
 def _outcome(
-    goal: Place, routes: GoalRoutes, route: Route | None, problem: StagedProblem, grid: Grid
+    goal: Place,
+    routes: GoalRoutes,
+    route: Route | None,
+    clear_m: Sequence[NDArray[np.float64]],
+    clock: StageClock,
+    grid: Grid,
 ) -> GoalOutcome:
     if route is None or routes.earliest is None:
         reason = str(routes.blocked)
         return GoalOutcome(goal.name, goal.lat_deg, goal.lon_deg, reachable=False, reason=reason)
-    clock = problem.clock
-    clearance_m = min(
-        clearance_of_cell_m(grid, problem.hazard[clock.stage_of_step(step)], *cell)
-        for step, cell in enumerate(route.cells)
-    )
+    nearest_m = min(float(clear_m[clock.stage_of_step(step)][cell]) for step, cell in enumerate(route.cells))
     return GoalOutcome(
         goal.name,
         goal.lat_deg,
@@ -144,7 +149,7 @@ def _outcome(
         length_m=_length_m(route, grid),
         waiting_s=route.waits * clock.step_s,
         score=route.score,
-        min_clearance_m=clearance_m if math.isfinite(clearance_m) else None,
+        min_clearance_m=nearest_m if math.isfinite(nearest_m) else None,
     )
 
 

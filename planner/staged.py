@@ -20,7 +20,6 @@ from planner.score import Weights
 
 Cell = tuple[int, int]
 
-_UNREACHED = np.uint8(255)
 _NOWHERE = -np.inf  # the value of what was not reached
 
 
@@ -135,7 +134,7 @@ def _sweep(
     clock, weights = problem.clock, problem.weights
     shape = problem.hazard.shape[1:]
     gamma = weights.gamma
-    parents = np.full((clock.step_count, *shape), _UNREACHED, dtype=np.uint8)
+    parents = np.zeros((clock.step_count, *shape), dtype=np.uint8)
     parents[0][start] = Move.STAY
     reached = np.zeros(shape, dtype=np.bool_)
     reached[start] = True

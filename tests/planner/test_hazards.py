@@ -14,7 +14,7 @@ from planner.hazards import (
     Move,
     StageClock,
     clearance_cells,
-    clearance_of_cell_m,
+    clearance_m,
     flyable_moves,
     hazard_stages,
 )
@@ -143,7 +143,12 @@ def test_clearance_is_the_distance_to_the_nearest_hazard():
 def test_clearance_in_metres_is_near_the_geodesic():
     grid = field(0).grid
     hazard = np.zeros(grid.shape, dtype=bool)
-    hazard[4, 6] = True
-    expected_m = geodesic_m(grid.lat_rad[0], grid.lon_rad[1], grid.lat_rad[4], grid.lon_rad[6])
-    assert clearance_of_cell_m(grid, hazard, 0, 1) == pytest.approx(expected_m, rel=1e-3)
-    assert clearance_of_cell_m(grid, np.zeros_like(hazard), 0, 1) == math.inf
+    hazard[4, 6] = hazard[1, 0] = True
+    clear_m = clearance_m(grid, hazard)
+    for row, column in np.ndindex(grid.shape):
+        expected_m = min(
+            geodesic_m(grid.lat_rad[row], grid.lon_rad[column], grid.lat_rad[r], grid.lon_rad[c])
+            for r, c in ((4, 6), (1, 0))
+        )
+        assert clear_m[row, column] == pytest.approx(expected_m, rel=1e-3)
+    assert np.isinf(clearance_m(grid, np.zeros_like(hazard))).all()
