@@ -1,6 +1,8 @@
 """Fixtures for every test."""
 
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -17,3 +19,21 @@ def data_folder() -> Path:
             f"no real weather: {folder} is not a folder; set GALEWAY_DATA to the one with the weather files"
         )
     return folder
+
+
+@pytest.fixture(scope="session")
+def command():
+    """The installed command, as the first words of a process."""
+    return [str(Path(sys.executable).parent / "galeway")]
+
+
+@pytest.fixture(scope="session")
+def galeway(command):
+    """Runs the command to its end: (*arguments) -> finished process, its output as text."""
+
+    def run(*arguments, cwd=None):
+        return subprocess.run(
+            [*command, *arguments], capture_output=True, text=True, check=False, cwd=cwd, timeout=300
+        )
+
+    return run

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -46,7 +45,7 @@ def bring_weather(loaded: LoadedScenario) -> MissionWeather:
     """
     scenario = loaded.scenario
     if scenario.weather.file is not None:
-        truth = read_wind(loaded.folder / scenario.weather.file)
+        truth = read_wind(loaded.folder / scenario.weather.file, area_rad=_bounds_rad(scenario.grid))
         _check_time(truth, scenario, scenario.weather.file)
         grid = refined_grid(truth.grid, scenario.grid, scenario.weather.file)
         forecast = truth.at_altitude(scenario.mission.altitude_m).resampled(grid)
@@ -70,20 +69,27 @@ def _horizon_s(scenario: Scenario) -> float:
     return stages.count * stages.steps * stages.step_s
 
 
+def _bounds_rad(table: GridTable) -> tuple[float, float, float, float] | None:
+    """South, north, west, east (beyond half a turn if across the date line), or None if not given."""
+    if table.south_deg is None or table.north_deg is None or table.west_deg is None or table.east_deg is None:
+        return None
+    turn_deg = 360.0 if table.east_deg <= table.west_deg else 0.0
+    return (
+        math.radians(table.south_deg),
+        math.radians(table.north_deg),
+        math.radians(table.west_deg),
+        math.radians(table.east_deg + turn_deg),
+    )
+
+
 def _area_grid(table: GridTable) -> Grid:
     """The grid over the scenario's own area, its cells as near to `cell_m` as whole numbers allow."""
-    assert table.south_deg is not None  # the scenario has checked that a storm comes with an area
-    assert table.north_deg is not None
-    assert table.west_deg is not None
-    assert table.east_deg is not None
-    west_deg, east_deg = table.west_deg, table.east_deg
-    if east_deg <= west_deg:  # across the date line
-        east_deg += 360.0
-    south, north, west, east = map(math.radians, (table.south_deg, table.north_deg, west_deg, east_deg))
-    coarse = Grid.covering(south, north, west, east, rows=3, columns=3)
+    bounds_rad = _bounds_rad(table)
+    assert bounds_rad is not None  # the scenario has checked that a storm comes with an area
+    coarse = Grid.covering(*bounds_rad, rows=3, columns=3)
     rows = round(2 * float(coarse.north_cell_m[1]) / table.cell_m) + 1
     columns = round(2 * float(coarse.east_cell_m[1]) / table.cell_m) + 1
-    return Grid.covering(south, north, west, east, rows=max(rows, 2), columns=max(columns, 2))
+    return Grid.covering(*bounds_rad, rows=max(rows, 2), columns=max(columns, 2))
 
 
 def refined_grid(native: Grid, table: GridTable, source: str | Path) -> Grid:
@@ -101,10 +107,12 @@ def refined_grid(native: Grid, table: GridTable, source: str | Path) -> Grid:
         WeatherError: if the area reaches outside the file.
     """
     rows, columns = range(native.rows), range(native.columns)
-    if table.south_deg is not None and table.north_deg is not None:
-        rows = _nodes_around(native.indices, table.south_deg, table.north_deg, 0, native.rows, source)
-    if table.west_deg is not None and table.east_deg is not None:
-        columns = _nodes_around(native.indices, table.west_deg, table.east_deg, 1, native.columns, source)
+    if bounds_rad := _bounds_rad(table):
+        south_rad, north_rad, west_rad, east_rad = bounds_rad
+        low_row, low_column = native.indices(south_rad, west_rad)
+        high_row, high_column = native.indices(north_rad, east_rad)
+        rows = _nodes_around(low_row, high_row, native.rows, "latitudes", source)
+        columns = _nodes_around(low_column, high_column, native.columns, "longitudes", source)
     middle = rows[len(rows) // 2]
     north_splits = max(round(float(native.north_cell_m[middle]) / table.cell_m), 1)
     east_splits = max(round(float(native.east_cell_m[middle]) / table.cell_m), 1)
@@ -118,21 +126,12 @@ def refined_grid(native: Grid, table: GridTable, source: str | Path) -> Grid:
     )
 
 
-def _nodes_around(
-    indices: Callable[[float, float], tuple[float, float]],
-    low_deg: float,
-    high_deg: float,
-    axis: int,
-    count: int,
-    source: str | Path,
-) -> range:
+def _nodes_around(low: float, high: float, count: int, what: str, source: str | Path) -> range:
     """The file's nodes from the last one below an area to the first one above it."""
-    low, high = (indices(math.radians(bound), math.radians(bound))[axis] for bound in (low_deg, high_deg))
     first, last = math.floor(low + 1e-6), math.ceil(high - 1e-6)
     if first < 0 or last > count - 1 or last <= first:
-        name = ("latitudes", "longitudes")[axis]
         raise WeatherError(
-            f"{source} does not hold the {name} {low_deg} to {high_deg} deg of [grid]; "
+            f"{source} does not hold all {what} of [grid]; "
             "give an area inside the file, or leave it out to use all of it"
         )
     return range(first, last + 1)

@@ -1,0 +1,75 @@
+"""The planner's grid for each kind of weather, and what a scenario can get wrong about it."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from planner.grid import Grid
+from sim.errors import WeatherError
+from sim.scenario import GridTable, load_scenario
+from sim.weather.source import bring_weather, refined_grid
+
+NATIVE = Grid.covering(*map(math.radians, (20.0, 24.0, -92.0, -88.0)), rows=41, columns=41)
+
+
+def degrees(values):
+    return np.degrees(values).tolist()
+
+
+def test_ian_has_cells_of_3600_m_over_its_area():
+    weather = bring_weather(load_scenario("ian", ["stages.count=1"]))
+    grid = weather.forecast.grid
+    assert degrees(grid.lat_rad)[0] == pytest.approx(22.5)
+    assert degrees(grid.lat_rad)[-1] == pytest.approx(34.5)
+    assert degrees(grid.lon_rad)[0] == pytest.approx(-91.5)
+    assert degrees(grid.lon_rad)[-1] == pytest.approx(-76.5)
+    assert grid.north_cell_m == pytest.approx(3600.0, rel=0.01)
+    assert grid.east_cell_m[grid.rows // 2] == pytest.approx(3600.0, rel=0.01)
+    assert weather.forecast is weather.truth
+    assert weather.truth.time_s[0] == 1664409600.0
+    assert weather.truth.time_s[-1] >= 1664409600.0 + 2 * 3600.0  # an hour for a flight that is late
+
+
+@given(st.floats(300.0, 20_000.0))
+def test_refining_keeps_every_node_of_the_file(cell_m):
+    grid = refined_grid(NATIVE, GridTable(cell_m=cell_m), "wind.nc")
+    for native, own in ((NATIVE.lat_rad, grid.lat_rad), (NATIVE.lon_rad, grid.lon_rad)):
+        nearest = np.abs(own[:, None] - native[None, :]).min(axis=0)
+        assert nearest.max() < 1e-9
+    if cell_m < float(NATIVE.north_cell_m.min()):
+        assert grid.north_cell_m.max() < 1.51 * cell_m
+
+
+def test_an_area_is_cut_out_at_the_nodes_around_it():
+    table = GridTable(cell_m=20_000.0, south_deg=21.03, north_deg=22.5, west_deg=-91.0, east_deg=-88.55)
+    grid = refined_grid(NATIVE, table, "wind.nc")
+    assert degrees(grid.lat_rad)[0] == pytest.approx(21.0)
+    assert degrees(grid.lat_rad)[-1] == pytest.approx(22.5)
+    assert degrees(grid.lon_rad)[0] == pytest.approx(-91.0)
+    assert degrees(grid.lon_rad)[-1] == pytest.approx(-88.5)
+
+
+def test_longitudes_to_360_mean_the_same_area():
+    tables = [
+        GridTable(south_deg=21.0, north_deg=22.0, west_deg=west_deg, east_deg=west_deg + 1.0)
+        for west_deg in (-90.0, 270.0)
+    ]
+    here, there = (refined_grid(NATIVE, table, "wind.nc") for table in tables)
+    assert here == there
+
+
+@pytest.mark.parametrize(
+    ("bounds", "word"),
+    [((19.0, 22.0, -91.0, -89.0), "latitudes"), ((21.0, 22.0, -91.0, -87.0), "longitudes")],
+)
+def test_an_area_outside_the_file_is_refused(bounds, word):
+    with pytest.raises(WeatherError, match=f"wind.nc does not hold all {word}"):
+        refined_grid(NATIVE, GridTable(3600.0, *bounds), "wind.nc")
+
+
+def test_an_unknown_storm_is_refused():
+    with pytest.raises(WeatherError, match="there are AL092022"):
+        bring_weather(load_scenario("ian", ["weather.storm=AL112022"]))
