@@ -127,7 +127,9 @@ def hazard_stages(wind: WindField, clock: StageClock, *, threshold_mps: float, c
     )
 
 
-def _largest_speed_in_room(north: FieldArray, east: FieldArray, north_share: float, east_share: float) -> FieldArray:
+def _largest_speed_in_room(
+    north: FieldArray, east: FieldArray, north_share: float, east_share: float
+) -> FieldArray:
     largest = np.zeros_like(north)
     for row_offset in (0, 1, -1):
         for column_offset in (0, 1, -1):

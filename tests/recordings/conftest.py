@@ -1,0 +1,194 @@
+"""Flights made of arithmetic: exactly along a real reference, or off it by a known amount."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from aircraft.reference import PathPoint, Reference
+from aircraft.state import Command, FlightState
+from planner.grid import Grid
+from planner.plan import GoalOutcome, Plan, Waypoint
+from recordings.mcap_reader import read
+from recordings.mcap_writer import McapRecorder
+from recordings.recorder import FlightHeader, GuidanceSample, Layer, Outcome, Recorder, WeatherSheet
+from recordings.recording import Recording
+
+DEPARTURE_S = 1664409600.0
+STAGE_S = 600.0
+LEAD_IN_S = 30.0
+ALTITUDE_M = 1000.0
+GRID = Grid.covering(
+    math.radians(29.0), math.radians(31.0), math.radians(-91.0), math.radians(-88.0), rows=60, columns=80
+)
+STRAIGHT = ((0.0, 0.0), (0.0, 3000.0), (0.0, 6000.0), (0.0, 9000.0))
+CORNERS = ((0.0, 0.0), (0.0, 3600.0), (3600.0, 3600.0), (3600.0, 7200.0), (0.0, 7200.0))
+
+
+@dataclass(frozen=True)
+class Flight:
+    """All that a recorder is told, in order."""
+
+    header: FlightHeader
+    states: list[FlightState]
+    guidance: list[GuidanceSample]
+    sheets: list[WeatherSheet]
+    outcome: Outcome = Outcome.ARRIVED
+
+    def record(self, recorder: Recorder, *, finish: bool = True) -> None:
+        sheets = list(self.sheets)
+        recorder.begin(self.header)
+        for state, guidance in zip(self.states, self.guidance, strict=True):
+            while sheets and sheets[0].time_s <= state.time_s:
+                recorder.weather(sheets.pop(0))
+            recorder.sample(state, guidance)
+            if state.time_s == 60.0:
+                recorder.event(60.0, "a minute has passed")
+        if finish:
+            recorder.finish(self.states[-1].time_s, self.outcome, "as it was told")
+
+    def changed(self, index: int, **fields: float) -> "Flight":
+        """With some fields of one sample changed."""
+        states = list(self.states)
+        states[index] = states[index]._replace(**fields)
+        return replace(self, states=states)
+
+
+def make_header(corners_m: Sequence[tuple[float, float]], leg_s: float = 120.0) -> FlightHeader:
+    """A plan through plane positions (north, east), a leg of `leg_s` between each."""
+    frame = GRID.frame
+    waypoints, points = [], []
+    for index, (north_m, east_m) in enumerate(corners_m):
+        lat_rad, lon_rad = frame.to_geodetic(north_m, east_m)
+        time_s = leg_s * index
+        lat_deg, lon_deg = math.degrees(lat_rad), math.degrees(lon_rad)
+        waypoints.append(Waypoint(lat_deg, lon_deg, ALTITUDE_M, time_s, int(time_s // STAGE_S)))
+        points.append(PathPoint(north_m, east_m, ALTITUDE_M, time_s, frame.scale(lat_rad)))
+    last = waypoints[-1]
+    goals = (
+        GoalOutcome(
+            "Port", last.lat_deg, last.lon_deg, True, "", last.time_s, last.time_s, 1e4, 0.0, 2.5, 1e3
+        ),
+        GoalOutcome("Isle", 30.9, -88.1, False, "surrounded by hazard"),
+    )
+    plan = Plan("staged", "score", DEPARTURE_S, "Port", tuple(waypoints), goals)
+    reference = Reference.through(points, turn_radius_m=150.0, loiter_radius_m=200.0, lead_in_s=LEAD_IN_S)
+    return FlightHeader(
+        scenario="squall",
+        scenario_toml='name = "squall"\n',
+        seed=7,
+        grid=GRID,
+        plan=plan,
+        reference=reference,
+        threshold_mps=15.0,
+        stage_s=STAGE_S,
+        airspeed_min_mps=20.0,
+        airspeed_max_mps=40.0,
+        limits=("arrived == true", "cross_track_m.p95 <= 2"),
+        versions={"galeway": "0.1.0", "git": ""},
+    )
+
+
+def make_sheets(hazard: np.ndarray | None = None, stages: int = 3) -> list[WeatherSheet]:
+    """Forecast and truth of each stage; the same hazard in all, by default a block in the north-east."""
+    if hazard is None:
+        hazard = np.zeros(GRID.shape, bool)
+        hazard[50:, 70:] = True
+    north = np.linspace(-12.0, 18.0, GRID.rows * GRID.columns, dtype=np.float32).reshape(GRID.shape)
+    return [
+        WeatherSheet(layer, stage, stage * STAGE_S if stage else -LEAD_IN_S, hazard, north, 0.5 * north)
+        for stage in range(stages)
+        for layer in Layer
+    ]
+
+
+def fly_along(
+    header: FlightHeader,
+    *,
+    right_m: float = 0.0,
+    above_m: float = 0.0,
+    late_s: float = 0.0,
+    until_s: float | None = None,
+    hz: int = 10,
+    wind_mps: Callable[[float], float] = lambda _: 6.0,
+    sheets: list[WeatherSheet] | None = None,
+) -> Flight:
+    """Follow the reference at a constant offset, as if the schedule were `late_s` later."""
+    reference, frame = header.reference, header.grid.frame
+    end_s = header.plan.duration_s + late_s if until_s is None else until_s
+    times_s = np.arange(round((end_s + LEAD_IN_S) * hz) + 1) / hz - LEAD_IN_S
+    points = reference.at_many(reference.path_at_times(times_s - late_s))
+    off_m = right_m * points.scale
+    lat_rad, lon_rad = frame.to_geodetic(
+        points.north_m - off_m * np.sin(points.course_rad), points.east_m + off_m * np.cos(points.course_rad)
+    )
+    states = [
+        FlightState(
+            time_s=float(time_s),
+            lat_rad=float(lat_rad[i]),
+            lon_rad=float(lon_rad[i]),
+            altitude_m=float(points.altitude_m[i] + above_m),
+            north_mps=25.0 * math.cos(points.course_rad[i]),
+            east_mps=25.0 * math.sin(points.course_rad[i]),
+            down_mps=0.25,
+            roll_rad=0.1 * math.sin(time_s),
+            pitch_rad=0.05 * math.cos(time_s),
+            heading_rad=float(points.course_rad[i]),
+            roll_rate_radps=0.01,
+            pitch_rate_radps=-0.02,
+            yaw_rate_radps=0.03,
+            airspeed_mps=28.0 + math.sin(0.01 * time_s),
+            angle_of_attack_rad=0.06,
+            sideslip_rad=-0.01,
+            wind_north_mps=0.6 * wind_mps(float(time_s)),
+            wind_east_mps=0.8 * wind_mps(float(time_s)),
+            wind_down_mps=0.0,
+            gust_north_mps=0.7,
+            gust_east_mps=-0.7,
+            gust_down_mps=0.1,
+            aileron=0.02,
+            elevator=-0.1,
+            rudder=0.0,
+            throttle=0.6,
+            fuel_kg=4.0 - 1e-4 * time_s,
+            height_above_ground_m=990.0,
+        )
+        for i, time_s in enumerate(times_s)
+    ]
+    guidance = [
+        GuidanceSample(float(path_m), 0.25, -0.5, 1.5, 1, Command(0.1, 28.0, ALTITUDE_M, 0.0))
+        for path_m in reference.path_at_times(times_s)
+    ]
+    return Flight(header, states, guidance, make_sheets() if sheets is None else sheets)
+
+
+@dataclass(frozen=True)
+class Workshop:
+    """Makes flights and their recordings."""
+
+    folder: Path
+
+    header = staticmethod(make_header)
+    fly = staticmethod(fly_along)
+    sheets = staticmethod(make_sheets)
+    straight = STRAIGHT
+    corners = CORNERS
+    grid = GRID
+
+    def file(self, flight: Flight, name: str = "flight") -> Path:
+        """The finished MCAP file of a flight."""
+        path = self.folder / f"{name}.mcap"
+        flight.record(McapRecorder(path))
+        return path
+
+    def recording(self, flight: Flight) -> Recording:
+        """A flight, written and read back."""
+        return read(self.file(flight))
+
+
+@pytest.fixture
+def workshop(tmp_path: Path) -> Workshop:
+    return Workshop(tmp_path)
