@@ -86,7 +86,7 @@ def prepare_flight(
         ModelError: if the aircraft cannot be trimmed.
     """
     scenario, grid = loaded.scenario, weather.forecast.grid
-    reference = lay_reference(scenario, weather, plan)
+    reference = lay_reference(scenario, weather, plan, aircraft.envelope.cruise_mps)
     start = reference.at(0.0)
     lat_rad, lon_rad = grid.frame.to_geodetic(start.north_m, start.east_m)
     envelope = aircraft.envelope
@@ -124,7 +124,9 @@ def prepare_flight(
     )
 
 
-def lay_reference(scenario: Scenario, weather: MissionWeather, plan: Plan) -> Reference:
+def lay_reference(
+    scenario: Scenario, weather: MissionWeather, plan: Plan, loiter_airspeed_mps: float
+) -> Reference:
     """The flyable curve through a plan's waypoints, in the plane of the planner's grid."""
     frame, wind = weather.forecast.grid.frame, weather.forecast.probe()
 
@@ -145,6 +147,7 @@ def lay_reference(scenario: Scenario, weather: MissionWeather, plan: Plan) -> Re
         loiter_radius_m=scenario.aircraft.loiter_radius_m,
         lead_in_s=scenario.flight.lead_in_s,
         wind_at=wind_at,
+        loiter_airspeed_mps=loiter_airspeed_mps,
     )
 
 

@@ -105,7 +105,7 @@ class AircraftTable(Struct, frozen=True):
     """Which aircraft, and the radii of its turns and loiter circles over ground."""
 
     model: str = "aerosonde"
-    turn_radius_m: Positive = 250.0
+    turn_radius_m: Positive = 300.0
     loiter_radius_m: Positive = 550.0
 
 
