@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +19,8 @@ BAD_INPUT = 2
 FAILED = 1
 INTERRUPTED = 130
 
+BAR_STEP_S = 30.0
+
 
 def main() -> None:
     """Run a command; what a user can put right ends in one message and exit code 2."""
@@ -30,6 +32,9 @@ def main() -> None:
     try:
         commands(prog_name="galeway", standalone_mode=False)
     except (SimError, PlannerError, AircraftError, RecordingError) as error:
+        click.secho(f"galeway: {error}", fg="red", err=True)
+        sys.exit(BAD_INPUT)
+    except OSError as error:  # such as a full disk
         click.secho(f"galeway: {error}", fg="red", err=True)
         sys.exit(BAD_INPUT)
     except click.ClickException as error:
@@ -126,13 +131,13 @@ def check(recording: Path, limits: Path | None, as_json: bool) -> None:
     given = load_limits(limits) if limits else None
     log = read(recording)
     tracking = track(log)
-    verdicts = judge(tracking, given if given is not None else parse_limits(log.limits))
     if as_json:
         click.echo(tracking.to_json(), nl=False)
     else:
         click.echo(f"{tracking.summary()}\n")
     if not log.complete:
         click.secho(f"incomplete: {log.missing}", fg="yellow", err=True)
+    verdicts = judge(tracking, given if given is not None else parse_limits(log.limits))
     sys.exit(0 if _print_verdicts(verdicts, err=as_json) and log.complete else FAILED)
 
 
@@ -157,15 +162,20 @@ def scenarios() -> None:
 @contextmanager
 def _progress() -> Iterator[tuple[Callable[[Plan], None], Callable[[float], None]]]:
     """Prints the plan when it is there, then shows a bar of flight time on a terminal."""
-    step_s = 30.0
-    with click.progressbar(length=1, label="flying", hidden=not sys.stderr.isatty(), file=sys.stderr) as bar:
+    bars: list[Any] = []
+    with ExitStack() as stack:
 
         def on_plan(made: Plan) -> None:
             _print_plan(made)
-            bar.length = round(made.duration_s)
+            hidden = not (made.waypoints and sys.stderr.isatty())
+            bar = click.progressbar(
+                length=round(made.duration_s), label="flying", hidden=hidden, file=sys.stderr
+            )
+            bars.append(stack.enter_context(bar))
 
         def on_time(time_s: float) -> None:
-            if time_s - bar.pos >= step_s:
+            (bar,) = bars
+            if time_s - bar.pos >= BAR_STEP_S:
                 bar.update(round(time_s) - bar.pos)
 
         yield on_plan, on_time

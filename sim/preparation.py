@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from aircraft.guidance import Guidance
 from aircraft.jsbsim_aircraft import JsbsimAircraft, Turbulence
 from aircraft.reference import PathPoint, Reference
@@ -172,8 +174,8 @@ def weather_sheets(scenario: Scenario, weather: MissionWeather) -> tuple[Weather
             stage=stage,
             time_s=stage * clock.stage_s if stage else -scenario.flight.lead_in_s,
             hazard=hazards[layer][stage],
-            wind_north_mps=north,
-            wind_east_mps=east,
+            wind_north_mps=north.astype(np.float32),
+            wind_east_mps=east.astype(np.float32),
         )
         for stage in range(clock.stage_count)
         for layer, wind, _ in layers

@@ -144,6 +144,15 @@ def test_a_recording_cut_short_is_reported_as_far_as_it_goes(flown, galeway, tmp
     assert "incomplete" in done.stderr
 
 
+def test_without_limits_a_flight_is_flown_and_reported_but_a_check_is_no_check(galeway, tmp_path):
+    done = galeway("fly", SHORT, "--out", str(tmp_path), "--set", "limits=[]")
+    assert done.returncode == 0
+    assert "cross-track" in done.stdout
+    checked = galeway("check", str(tmp_path / "flight.mcap"))
+    assert_one_message(checked, 2, "no limit")
+    assert "cross-track" in checked.stdout
+
+
 def test_scenarios_are_listed(galeway):
     done = galeway("scenarios")
     assert done.returncode == 0
