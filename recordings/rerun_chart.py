@@ -86,11 +86,11 @@ class Chart:
         return np.ascontiguousarray(colours[self._rows])
 
     def graticule(self) -> list[Parallel]:
-        """Meridians and parallels at round degrees, five or more of each where the area allows."""
+        """Meridians and parallels at round degrees, four or more of each."""
         grid, frame, extent = self.grid, self.grid.frame, self.extent
         height_deg = math.degrees(grid.north_step_rad * grid.rows)
         width_deg = math.degrees(grid.east_step_rad * grid.columns)
-        step_deg = _last_not_above(_GRATICULE_STEPS_DEG, min(height_deg, width_deg) / 5.0)
+        step_deg = _last_not_above(_GRATICULE_STEPS_DEG, min(height_deg, width_deg) / 4.0)
         lines = []
         for lat_deg in _multiples(step_deg, grid.lat_rad):
             north_km = float(frame.to_plane(math.radians(lat_deg), frame.origin_lon_rad)[0]) / 1000.0

@@ -46,13 +46,14 @@ def test_each_pixel_has_the_weather_of_the_cell_nearest_to_its_position(chart, s
 
 
 def test_the_picture_covers_the_grid_and_less_than_a_pixel_more(chart):
-    corner_km = chart.km(20.0, -90.0)
-    half_cell_km = chart.cell_km / 2.0
-    assert chart.extent.west == pytest.approx(corner_km[0] - half_cell_km)
-    assert chart.extent.south < corner_km[1] - 0.3 * half_cell_km
-    assert chart.extent.south > corner_km[1] - 3.0 * half_cell_km
-    assert chart.extent.north - chart.extent.south == pytest.approx(chart.cell_km * chart.shape[0])
-    assert chart.extent.east - chart.extent.west == pytest.approx(chart.cell_km * chart.shape[1])
+    half_north_deg, half_east_deg = 15.0 / 89.0, 10.0 / 79.0
+    west_km, south_km = chart.km(20.0 - half_north_deg, -90.0 - half_east_deg)
+    east_km, north_km = chart.km(50.0 + half_north_deg, -70.0 + half_east_deg)
+    extent = chart.extent
+    assert (extent.west, extent.east, extent.north) == pytest.approx((west_km, east_km, north_km))
+    assert south_km - chart.cell_km < extent.south <= south_km
+    assert extent.north - extent.south == pytest.approx(chart.cell_km * chart.shape[0])
+    assert extent.east - extent.west == pytest.approx(chart.cell_km * chart.shape[1])
 
 
 def test_stronger_wind_is_drawn_brighter_in_hazard_and_out_of_it(chart):
