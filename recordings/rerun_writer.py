@@ -1,6 +1,7 @@
 """Records a flight to Rerun, for the eyes: chart, oblique view, phases and plots.
 
-The MCAP file holds every sample; here one a second is kept, as many as a screen can show.
+Every sample is kept as columns (see `rerun_columns`); what is drawn of them is one a second, as many as a
+screen can show.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from recordings.recorder import FlightHeader, GuidanceSample, Layer, Outcome, We
 from recordings.rerun_blueprint import flight_blueprint
 from recordings.rerun_card import run_card
 from recordings.rerun_chart import Chart
+from recordings.rerun_columns import SampleColumns
 from recordings.rerun_plots import PHASES, draw_plots, plot_values, scalars
 from recordings.rerun_scene import Scene, south
 from recordings.rerun_times import FlightTimes
@@ -29,7 +31,7 @@ from recordings.rerun_weather import WeatherLayer
 Floats = NDArray[np.float64]
 
 ROW_S = 1.0
-"""A sample is kept when this much time has passed since the last one kept."""
+"""A sample is drawn when this much time has passed since the last one drawn."""
 
 ROWS_PER_CHUNK = 120
 """Rows written at once: two minutes of flight, which is what a killed flight loses at most."""
@@ -64,6 +66,7 @@ class RerunRecorder:
         self._header = header
         self._times = FlightTimes(header.plan.departure_s)
         chart = Chart(header.grid)
+        self._columns = SampleColumns(self._times)
         self._scene = Scene(header, chart)
         self._weather = WeatherLayer(chart, self._times, header.stage_s)
         blueprint = flight_blueprint(
@@ -100,7 +103,9 @@ class RerunRecorder:
             stream.log(entity, archetype)
 
     def sample(self, state: FlightState, guidance: GuidanceSample) -> None:
-        """See `Recorder.sample`; keeps one a second, and the last."""
+        """See `Recorder.sample`; draws one a second, and the last."""
+        if self._columns.add(state, guidance):
+            self._columns.write(self._started)
         if state.time_s < self._next_s:
             self._skipped = (state, guidance)
             return
@@ -144,6 +149,7 @@ class RerunRecorder:
         if self._skipped is not None:
             self._kept.append(self._skipped)
         self._write_rows()
+        self._columns.write(self._started)
         stream, self._stream = self._started, None
         stream.flush()
         stream.disconnect()
