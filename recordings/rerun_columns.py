@@ -57,7 +57,7 @@ class SampleColumns:
         offsets = np.arange(len(table) + 1, dtype=np.int32)  # one value a row
         stream.send_columns(
             topic.name,
-            self._times.columns(time_s),
+            self._times.since_departure(time_s),
             [
                 rr.ComponentColumn(
                     rr.ComponentDescriptor(column.name).with_builtin_archetype(topic.message),
