@@ -39,7 +39,8 @@ class Blocked(StrEnum):
 
     START_IN_HAZARD = "the start is in hazard at departure"
     GOAL_ALWAYS_IN_HAZARD = "the goal is in hazard in every stage"
-    NEVER_REACHABLE = "no safe, flyable way leads there within the horizon"
+    NEVER_REACHABLE = "no safe way leads there within the horizon"
+    NOT_FLYABLE = "every safe way there asks for airspeeds that the aircraft does not have"
 
 
 @dataclass(frozen=True, slots=True)

@@ -100,6 +100,7 @@ def plot_values(
 
 def _style(lines: Sequence[Series]) -> rr.SeriesLines:
     return rr.SeriesLines(
+        aggregation_policy=rr.components.AggregationPolicy.MinMax,  # extremes stay visible in a long flight
         names=[line.name for line in lines],
         colors=[line.colour for line in lines],
         widths=[line.width for line in lines],

@@ -18,7 +18,7 @@ from planner.grid import geodesic_m
 from recordings import tracking_report
 from recordings.clearance import nearest_approach
 from recordings.figures import Extent, Largest, Moment, Spread, Statistics
-from recordings.recorder import Layer
+from recordings.recorder import FlightHeader, Layer
 from recordings.recording import Recording
 from recordings.series import Series, measure
 from recordings.soundness import require_sound
@@ -36,9 +36,11 @@ class Tracking:
     `outcome`: as recorded; `arrived`: as recomputed from the positions. Lengths and distances are true
     metres, the planned length that of the reference. `flight_time_s`: to the last sample. Errors are
     absolute; `waypoint_time_error_s` is of the waypoints that were reached. `hazard_exposure_s`: time in
-    steady wind above the threshold. `min_clearance_m`: to the centre of the nearest cell whose wind truly
-    exceeds it in that stage, None if there is none at all. `corner_cut_m`: between the plan's waypoints and
-    the reference. `worst`: where and when, by the name of a statistic such as "cross_track_m.p95".
+    steady wind (without turbulence) above the threshold. `outside_airspeeds_s`: time below the lowest or
+    above the highest airspeed of the aircraft's envelope, gusts included. `min_clearance_m`: to the centre of
+    the nearest cell whose wind truly exceeds the threshold in that stage, None if there is none at all.
+    `corner_cut_m`: between the plan's waypoints and the reference. `worst`: where and when, by the name of a
+    statistic such as "cross_track_m.p95".
     """
 
     scenario: str
@@ -60,6 +62,7 @@ class Tracking:
     samples: int
     waypoints_missed: int
     corner_cut_m: Largest
+    outside_airspeeds_s: float | None
     outcome_detail: str
     worst: Mapping[str, Moment]
     series: Series
@@ -104,6 +107,7 @@ def track(recording: Recording) -> Tracking:
         samples=len(series.time_s),
         waypoints_missed=int(np.isnan(series.waypoint_time_error_s).sum()),
         corner_cut_m=statistics.largest("corner_cut_m", series.corner_cut_m, series.planned),
+        outside_airspeeds_s=_outside_airspeeds_s(series, header, statistics),
         outcome_detail=recording.outcome_detail,
         worst=statistics.worst,
         series=series,
@@ -146,15 +150,31 @@ def _flown_m(series: Series) -> float:
 
 
 def _exposure_s(series: Series, threshold_mps: float, statistics: Statistics) -> float | None:
-    """Each sample stands for the time to the next one, the last for as long as the one before it."""
     if not len(series.time_s):
         return None
     strongest = int(np.argmax(series.wind_mps))
     wind_mps = float(series.wind_mps[strongest])
     statistics.note("hazard_exposure_s", wind_mps, series.samples, strongest, "m/s of wind")
+    return _time_s(series, series.wind_mps > threshold_mps)
+
+
+def _outside_airspeeds_s(series: Series, header: FlightHeader, statistics: Statistics) -> float | None:
+    if not len(series.time_s):
+        return None
+    beyond_mps = np.maximum(
+        header.airspeed_min_mps - series.airspeed_mps, series.airspeed_mps - header.airspeed_max_mps
+    )
+    farthest = int(np.argmax(beyond_mps))
+    airspeed_mps = float(series.airspeed_mps[farthest])
+    statistics.note("outside_airspeeds_s", airspeed_mps, series.samples, farthest, "m/s of airspeed")
+    return _time_s(series, beyond_mps > 0.0)
+
+
+def _time_s(series: Series, chosen: NDArray[np.bool_]) -> float:
+    """Each sample stands for the time to the next one, the last for as long as the one before it."""
     steps_s = np.diff(series.time_s)
     lasting_s = np.append(steps_s, steps_s[-1:] if len(steps_s) else math.inf)
-    return float(lasting_s[series.wind_mps > threshold_mps].sum())
+    return float(lasting_s[chosen].sum())
 
 
 def _clearance_m(recording: Recording, series: Series, statistics: Statistics) -> float | None:

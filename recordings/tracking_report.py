@@ -59,9 +59,10 @@ def summary(tracking: Tracking) -> str:
         [
             *lines,
             f"corners cut by       {tracking.corner_cut_m.max:.1f} m at most",
-            f"airspeed             {tracking.airspeed_mps.min:.1f} to {tracking.airspeed_mps.max:.1f} m/s",
+            f"airspeed             {tracking.airspeed_mps.min:.1f} to {tracking.airspeed_mps.max:.1f} m/s, "
+            f"outside the envelope for {tracking.outside_airspeeds_s:.0f} s",
             f"wind                 {tracking.wind_mps.min:.1f} to {tracking.wind_mps.max:.1f} m/s",
-            f"in hazardous wind    {tracking.hazard_exposure_s:.1f} s{_clearance(tracking)}",
+            f"in hazardous wind    {tracking.hazard_exposure_s:.1f} s (steady wind){_clearance(tracking)}",
         ]
     )
 

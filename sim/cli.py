@@ -43,7 +43,7 @@ def main() -> None:
     except click.exceptions.Exit as stop:
         sys.exit(stop.exit_code)
     except (KeyboardInterrupt, click.Abort):
-        click.echo("galeway: interrupted; what was recorded so far stays in *.partial.* files", err=True)
+        click.echo("galeway: interrupted", err=True)
         sys.exit(INTERRUPTED)
 
 
@@ -85,15 +85,22 @@ def fly(out: Path | None, **scenario: Any) -> None:
     from sim.job import Files, run
 
     files = Files(out or Path("runs") / loaded.scenario.name)
-    with _progress() as (on_plan, on_time):
-        flown = run(loaded, files, on_plan=on_plan, on_time=on_time)
+    try:
+        with _progress() as (on_plan, on_time):
+            flown = run(loaded, files, on_plan=on_plan, on_time=on_time)
+    except KeyboardInterrupt:
+        left = ", ".join(str(path) for path in sorted(files.folder.glob("*.partial.*")))
+        click.echo(f"galeway: interrupted; recorded so far: {left or 'nothing'}", err=True)
+        sys.exit(INTERRUPTED)
     if flown is None:
         sys.exit(FAILED)
     click.echo(f"\n{flown.tracking.summary()}")
     click.echo(f"flown at {flown.real_time_factor:.0f} times real time\n")
+    if not flown.verdicts:
+        click.echo("the scenario sets no limits, so nothing is judged")
     passed = _print_verdicts(flown.verdicts)
     click.echo(f"\nfiles    {files.plan}, {files.mcap}, {files.rerun}, {files.report}")
-    click.echo(f"check    galeway check {files.mcap}\nreplay   galeway replay {files.rerun}")
+    click.echo(f"check    {sys.argv[0]} check {files.mcap}\nreplay   {sys.argv[0]} replay {files.rerun}")
     sys.exit(0 if passed and flown.tracking.arrived else FAILED)
 
 

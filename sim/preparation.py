@@ -84,10 +84,16 @@ def prepare_flight(
     """Lay the reference through the plan and put the trimmed aircraft at its beginning.
 
     Raises:
+        ScenarioError: if the plan leads nowhere.
         PathError: if no flyable curve leads through the plan.
         ModelError: if the aircraft cannot be trimmed.
     """
     scenario, grid = loaded.scenario, weather.forecast.grid
+    if len({(waypoint.lat_deg, waypoint.lon_deg) for waypoint in plan.waypoints}) < 2:
+        raise ScenarioError(
+            f"mission.start and the goal {plan.goal} lie in one cell of {scenario.grid.cell_m:.0f} m, "
+            "so there is nothing to fly; choose another goal or a smaller grid.cell_m"
+        )
     reference = lay_reference(scenario, weather, plan, aircraft.envelope.cruise_mps)
     start = reference.at(0.0)
     lat_rad, lon_rad = grid.frame.to_geodetic(start.north_m, start.east_m)

@@ -43,6 +43,7 @@ TIGHT = (
     "samples >= 4801",
     "waypoints_missed == 0",
     "corner_cut_m.max <= 100",
+    "outside_airspeeds_s == 0",
 )
 
 
@@ -51,10 +52,11 @@ def broken_flights(workshop):
     header = workshop.header(workshop.corners)
     clean = workshop.fly(header)
     block = np.ones(workshop.grid.shape, bool)
-    slow, fast, calm = (
+    slow, slower, fast, calm = (
         [state._replace(**fields) for state in clean.states]
         for fields in (
             {"airspeed_mps": 20.0},
+            {"airspeed_mps": 19.5},
             {"airspeed_mps": 35.0},
             {"wind_east_mps": 0.0, "wind_north_mps": 0.0},
         )
@@ -94,6 +96,10 @@ def broken_flights(workshop):
             },
         ),
         "slow": (replace(clean, states=slow), {"airspeed_mps.min", "airspeed_mps.mean"}),
+        "slower than it can fly": (
+            replace(clean, states=slower),
+            {"airspeed_mps.min", "airspeed_mps.mean", "outside_airspeeds_s"},
+        ),
         "fast": (replace(clean, states=fast), {"airspeed_mps.max"}),
         "calm": (replace(clean, states=calm), {"wind_mps.min"}),
         "gale": (

@@ -221,6 +221,19 @@ def test_strong_wind_at_the_last_sample_alone_is_exposure(tracked):
     ).hazard_exposure_s == pytest.approx(0.1)
 
 
+def test_time_outside_the_envelope_of_airspeeds(workshop):
+    flight = workshop.fly(workshop.header(workshop.straight))  # whose envelope is 20 to 40 m/s
+    speeds_mps = {600: 19.5, 601: 16.0, 602: 41.0, 603: 20.0, 604: 40.0}  # by sample
+    states = [
+        state._replace(airspeed_mps=speeds_mps.get(round(10.0 * state.time_s), 30.0))
+        for state in flight.states
+    ]
+    report = track(workshop.recording(replace(flight, states=states)))
+    assert report.outside_airspeeds_s == pytest.approx(0.3)
+    assert report.worst["outside_airspeeds_s"].value == 16.0
+    assert report.worst["outside_airspeeds_s"].time_s == pytest.approx(60.1)
+
+
 def test_airspeed(tracked):
     report = tracked()
     assert report.airspeed_mps.min == pytest.approx(28.0 + math.sin(3.6), abs=1e-3)

@@ -38,6 +38,7 @@ def test_keys_come_in_their_order(report):
         "samples",
         "waypoints_missed",
         "corner_cut_m",
+    "outside_airspeeds_s",
         "real_time_factor",
     ]
     assert list(content["cross_track_m"]) == ["mean", "p95", "max"]
@@ -69,9 +70,10 @@ def test_the_summary_of_a_flight(report):
         "altitude error       0.00 m mean, 0.00 p95, 0.00 max",
         "waypoint time error  2.00 s mean, 2.00 p95, 2.00 max",
         "corners cut by       0.0 m at most",
-        "airspeed             27.5 to 29.0 m/s",
+        "airspeed             27.5 to 29.0 m/s, outside the envelope for 0 s",
         "wind                 6.0 to 6.0 m/s",
-        f"in hazardous wind    0.0 s, nearest hazardous cell {report.min_clearance_m / 1000.0:.1f} km",
+        "in hazardous wind    0.0 s (steady wind), nearest hazardous cell "
+        f"{report.min_clearance_m / 1000.0:.1f} km",
     ]
 
 
