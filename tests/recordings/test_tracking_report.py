@@ -38,7 +38,7 @@ def test_keys_come_in_their_order(report):
         "samples",
         "waypoints_missed",
         "corner_cut_m",
-    "outside_airspeeds_s",
+        "outside_airspeeds_s",
         "real_time_factor",
     ]
     assert list(content["cross_track_m"]) == ["mean", "p95", "max"]
