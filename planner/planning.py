@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 
 from planner.errors import PlannerError
 from planner.grid import Grid, geodesic_m
+from planner.ground import Cell, Occupancy
 from planner.hazards import StageClock, clearance_m, flyable_moves, hazard_stages
 from planner.plan import GoalOutcome, Plan, Waypoint
+from planner.route import Route
 from planner.score import Weights
-from planner.staged import Cell, GoalRoutes, Occupancy, Route, StagedProblem, search
+from planner.staged import GoalRoutes, StagedProblem, search
 from planner.windfield import WindField
 
 
@@ -37,7 +39,9 @@ class PlanningRequest:
     """What the staged planner is asked.
 
     `objective`: which arrival the route takes, "earliest" or "score". `corridor_m`: half width of the room
-    kept below the threshold around every move. The airspeeds are the aircraft's envelope.
+    kept below the threshold around every move. The airspeeds are the aircraft's envelope. Only the wind-aware
+    planner uses `cruise_mps`, the true airspeed on its legs (None: in the middle of the envelope), and
+    `wait_min_s`, the shortest wait that can be flown as a loiter.
     """
 
     start: Place
@@ -51,6 +55,8 @@ class PlanningRequest:
     airspeed_max_mps: float
     objective: str = "score"
     weights: Weights = Weights()  # noqa: RUF009 - frozen
+    cruise_mps: float | None = None
+    wait_min_s: float = 120.0
 
 
 def plan_staged(wind: WindField, request: PlanningRequest) -> Plan:
