@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +13,10 @@ from planner.errors import PlannerError
 from planner.grid import Grid, geodesic_m
 from planner.ground import Cell, Occupancy
 from planner.hazards import StageClock, clearance_m, flyable_moves, hazard_stages
-from planner.plan import GoalOutcome, Plan, Waypoint
+from planner.plans import GoalOutcome, Plan, Waypoint
 from planner.route import Route
 from planner.score import Weights
-from planner.staged import GoalRoutes, StagedProblem, search
+from planner.staged import Blocked, GoalRoutes, StagedProblem, search
 from planner.windfield import WindField
 
 
@@ -75,6 +75,7 @@ def plan_staged(wind: WindField, request: PlanningRequest) -> Plan:
     if request.goal not in (goal.name for goal in request.goals):
         raise PlannerError(f"no goal is named {request.goal!r}; there are {_names(request.goals)}")
     grid, clock = wind.grid, request.clock
+    _check_ground_speed(grid, request)
     hazard = hazard_stages(wind, clock, threshold_mps=request.threshold_mps, corridor_m=request.corridor_m)
     problem = StagedProblem(
         hazard,
@@ -88,7 +89,7 @@ def plan_staged(wind: WindField, request: PlanningRequest) -> Plan:
             airspeed_max_mps=request.airspeed_max_mps,
         ),
     )
-    found = search(
+    found = _search(
         problem,
         request.start.cell(grid, "start"),
         [goal.cell(grid, "goal") for goal in request.goals],
@@ -111,6 +112,37 @@ def plan_staged(wind: WindField, request: PlanningRequest) -> Plan:
         waypoints=_waypoints(route, grid, clock, request.altitude_m) if route else (),
         goals=outcomes,
     )
+
+
+def _search(problem: StagedProblem, start: Cell, goals: Sequence[Cell]) -> list[GoalRoutes]:
+    """Search, and search once more without the aircraft's limits to tell which goals only they put off."""
+    found = search(problem, start, goals)
+    if all(routes.blocked is not Blocked.NEVER_REACHABLE for routes in found):
+        return found
+    with_any_airspeed = search(replace(problem, flyable=None), start, goals)
+    return [
+        replace(routes, blocked=Blocked.NOT_FLYABLE)
+        if routes.blocked is Blocked.NEVER_REACHABLE and free.blocked is None
+        else routes
+        for routes, free in zip(found, with_any_airspeed, strict=True)
+    ]
+
+
+def _check_ground_speed(grid: Grid, request: PlanningRequest) -> None:
+    """Refuse cells and steps that no wind below the threshold makes flyable."""
+    cells_m = np.concatenate([grid.north_cell_m, grid.east_cell_m])
+    slowest_mps, fastest_mps = (
+        float(cell_m) / request.clock.step_s for cell_m in (cells_m.min(), cells_m.max())
+    )
+    highest_mps = request.airspeed_max_mps + request.threshold_mps
+    lowest_mps = request.airspeed_min_mps - request.threshold_mps
+    if slowest_mps > highest_mps or fastest_mps < lowest_mps:
+        raise PlannerError(
+            f"cells of {cells_m.mean():.0f} m in steps of {request.clock.step_s:g} s ask for "
+            f"{cells_m.mean() / request.clock.step_s:.0f} m/s over ground; the aircraft flies "
+            f"{request.airspeed_min_mps:.0f} to {request.airspeed_max_mps:.0f} m/s through the air, "
+            "so change the size of the cells or the time of a step"
+        )
 
 
 def _names(places: Sequence[Place]) -> str:

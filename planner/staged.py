@@ -10,12 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
 from planner.arrivals import sweep_arrivals
+from planner.blocked import Blocked
 from planner.clearance import capped_clearance
 from planner.dead_end import DeadEnd, dead_ends
 from planner.ground import Cell, Ground, Occupancy
@@ -37,14 +37,6 @@ __all__ = [
 ]
 
 Floats = NDArray[np.float64]
-
-
-class Blocked(StrEnum):
-    """Why a goal has no route."""
-
-    START_IN_HAZARD = "the start is in hazard at departure"
-    GOAL_ALWAYS_IN_HAZARD = "the goal is in hazard in every stage"
-    NEVER_REACHABLE = "no safe, flyable way leads there within the horizon"
 
 
 @dataclass(frozen=True, slots=True)

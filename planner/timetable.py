@@ -11,7 +11,7 @@ from planner.earliest import Cell
 from planner.grid import Grid
 from planner.hazards import StageClock
 from planner.legs import Country, Legs, fly, lay_legs
-from planner.plan import Waypoint
+from planner.plans import Waypoint
 from planner.straighten import Leg
 from planner.windfield import Floats
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import StrEnum
 
 from planner.air import Air, Chart
+from planner.blocked import Blocked
 from planner.earliest import Cell, Earliest, TimedProblem, sweep
 from planner.errors import PlannerError
 from planner.grid import Grid
@@ -19,8 +19,8 @@ from planner.hazards import Bools, clearance_m, hazard_stages
 from planner.intervals import SafeIntervals
 from planner.legs import Country
 from planner.moves import Moves
-from planner.plan import GoalOutcome, Plan
 from planner.planning import Place, PlanningRequest
+from planner.plans import GoalOutcome, Plan
 from planner.straighten import Leg, cell_by_cell, nodes_to, straighten
 from planner.timetable import cells_passed, length_m, waiting_s, waypoints
 from planner.waits import with_flyable_waits
@@ -29,15 +29,6 @@ from planner.windfield import Floats, WindField
 _HEADWAY_MPS = 3.0  # what a head wind has to leave of the slowest airspeed; stronger wind counts as hazard
 _ROUNDING_MPS = 0.1
 _GUARDS_S = (0.0, 60.0, 300.0, 900.0)  # by how much to be early for closing cells, if less cannot be flown
-
-
-class Blocked(StrEnum):
-    """Why a goal has no route."""
-
-    START_IN_HAZARD = "the start is in hazard at departure"
-    GOAL_ALWAYS_IN_HAZARD = "the goal is in hazard in every stage"
-    NEVER_REACHABLE = "no safe way leads there within the horizon"
-    CANNOT_BE_FLOWN = "a safe way leads there within the horizon, but not with waits that can be flown"
 
 
 Way = Sequence[Leg] | str
@@ -162,7 +153,7 @@ class _Search:
                 timed = legs if legs is None else self._with_flyable_waits(legs)
                 if timed is not None:
                     return timed
-        return str(Blocked.CANNOT_BE_FLOWN)
+        return str(Blocked.WAITS_TOO_SHORT)
 
     def _with_flyable_waits(self, legs: Sequence[Leg]) -> list[Leg] | None:
         return with_flyable_waits(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import NamedTuple, Protocol
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from aircraft.reference import Reference
 from aircraft.state import Command, FlightState
 from planner.grid import Grid
-from planner.plan import Plan
+from planner.plans import Plan
 
 
 class Outcome(StrEnum):
@@ -143,6 +144,7 @@ class Recorders:
             recorder.finish(time_s, outcome, detail)
 
     def abandon(self) -> None:
-        """See `Recorder.abandon`."""
-        for recorder in self._recorders:
-            recorder.abandon()
+        """See `Recorder.abandon`; all are told, also where one of them fails."""
+        with ExitStack() as stack:
+            for recorder in reversed(self._recorders):
+                stack.callback(recorder.abandon)

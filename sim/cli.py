@@ -5,19 +5,21 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 if TYPE_CHECKING:
-    from planner.plan import GoalOutcome, Plan
+    from planner.plans import GoalOutcome, Plan
     from sim.scenario import LoadedScenario
 
 BAD_INPUT = 2
 FAILED = 1
 INTERRUPTED = 130
+
+BAR_STEP_S = 30.0
 
 
 def main() -> None:
@@ -32,13 +34,16 @@ def main() -> None:
     except (SimError, PlannerError, AircraftError, RecordingError) as error:
         click.secho(f"galeway: {error}", fg="red", err=True)
         sys.exit(BAD_INPUT)
+    except OSError as error:  # such as a full disk
+        click.secho(f"galeway: {error}", fg="red", err=True)
+        sys.exit(BAD_INPUT)
     except click.ClickException as error:
         error.show()
         sys.exit(error.exit_code)
     except click.exceptions.Exit as stop:
         sys.exit(stop.exit_code)
     except (KeyboardInterrupt, click.Abort):
-        click.echo("galeway: interrupted; what was recorded so far stays in *.partial.* files", err=True)
+        click.echo("galeway: interrupted", err=True)
         sys.exit(INTERRUPTED)
 
 
@@ -80,15 +85,22 @@ def fly(out: Path | None, **scenario: Any) -> None:
     from sim.job import Files, run
 
     files = Files(out or Path("runs") / loaded.scenario.name)
-    with _progress() as (on_plan, on_time):
-        flown = run(loaded, files, on_plan=on_plan, on_time=on_time)
+    try:
+        with _progress() as (on_plan, on_time):
+            flown = run(loaded, files, on_plan=on_plan, on_time=on_time)
+    except KeyboardInterrupt:
+        left = ", ".join(str(path) for path in sorted(files.folder.glob("*.partial.*")))
+        click.echo(f"galeway: interrupted; recorded so far: {left or 'nothing'}", err=True)
+        sys.exit(INTERRUPTED)
     if flown is None:
         sys.exit(FAILED)
     click.echo(f"\n{flown.tracking.summary()}")
     click.echo(f"flown at {flown.real_time_factor:.0f} times real time\n")
+    if not flown.verdicts:
+        click.echo("the scenario sets no limits, so nothing is judged")
     passed = _print_verdicts(flown.verdicts)
     click.echo(f"\nfiles    {files.plan}, {files.mcap}, {files.rerun}, {files.report}")
-    click.echo(f"check    galeway check {files.mcap}\nreplay   galeway replay {files.rerun}")
+    click.echo(f"check    {sys.argv[0]} check {files.mcap}\nreplay   {sys.argv[0]} replay {files.rerun}")
     sys.exit(0 if passed and flown.tracking.arrived else FAILED)
 
 
@@ -126,13 +138,13 @@ def check(recording: Path, limits: Path | None, as_json: bool) -> None:
     given = load_limits(limits) if limits else None
     log = read(recording)
     tracking = track(log)
-    verdicts = judge(tracking, given if given is not None else parse_limits(log.limits))
     if as_json:
         click.echo(tracking.to_json(), nl=False)
     else:
         click.echo(f"{tracking.summary()}\n")
     if not log.complete:
         click.secho(f"incomplete: {log.missing}", fg="yellow", err=True)
+    verdicts = judge(tracking, given if given is not None else parse_limits(log.limits))
     sys.exit(0 if _print_verdicts(verdicts, err=as_json) and log.complete else FAILED)
 
 
@@ -157,15 +169,20 @@ def scenarios() -> None:
 @contextmanager
 def _progress() -> Iterator[tuple[Callable[[Plan], None], Callable[[float], None]]]:
     """Prints the plan when it is there, then shows a bar of flight time on a terminal."""
-    step_s = 30.0
-    with click.progressbar(length=1, label="flying", hidden=not sys.stderr.isatty(), file=sys.stderr) as bar:
+    bars: list[Any] = []
+    with ExitStack() as stack:
 
         def on_plan(made: Plan) -> None:
             _print_plan(made)
-            bar.length = round(made.duration_s)
+            hidden = not (made.waypoints and sys.stderr.isatty())
+            bar = click.progressbar(
+                length=round(made.duration_s), label="flying", hidden=hidden, file=sys.stderr
+            )
+            bars.append(stack.enter_context(bar))
 
         def on_time(time_s: float) -> None:
-            if time_s - bar.pos >= step_s:
+            (bar,) = bars
+            if time_s - bar.pos >= BAR_STEP_S:
                 bar.update(round(time_s) - bar.pos)
 
         yield on_plan, on_time

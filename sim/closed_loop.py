@@ -113,9 +113,7 @@ def _end(setup: FlightSetup, time_s: float, state: FlightState, progress: Progre
     if state.fuel_kg <= 0.0:
         return End(time_s, Outcome.FUEL_OUT, "the tank is empty")
     if abs(progress.cross_track_m) > setup.off_path_limit_m:
-        detail = (
-            f"{abs(progress.cross_track_m):.0f} m off the reference, limit {setup.off_path_limit_m:.0f} m"
-        )
+        detail = f"{abs(progress.cross_track_m):.0f} m off the reference, limit {setup.off_path_limit_m:g} m"
         return End(time_s, Outcome.CANNOT_FOLLOW, detail)
     return None
 

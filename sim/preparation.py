@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from aircraft.guidance import Guidance
 from aircraft.jsbsim_aircraft import JsbsimAircraft, Turbulence
 from aircraft.reference import PathPoint, Reference
 from planner.hazards import StageClock, hazard_stages
-from planner.plan import Plan
 from planner.planning import Place, PlanningRequest, plan_staged
+from planner.plans import Plan
 from planner.score import Weights
 from recordings.recorder import FlightHeader, Layer, WeatherSheet
 from sim.closed_loop import FlightSetup
@@ -82,11 +84,17 @@ def prepare_flight(
     """Lay the reference through the plan and put the trimmed aircraft at its beginning.
 
     Raises:
+        ScenarioError: if the plan leads nowhere.
         PathError: if no flyable curve leads through the plan.
         ModelError: if the aircraft cannot be trimmed.
     """
     scenario, grid = loaded.scenario, weather.forecast.grid
-    reference = lay_reference(scenario, weather, plan)
+    if len({(waypoint.lat_deg, waypoint.lon_deg) for waypoint in plan.waypoints}) < 2:
+        raise ScenarioError(
+            f"mission.start and the goal {plan.goal} lie in one cell of {scenario.grid.cell_m:.0f} m, "
+            "so there is nothing to fly; choose another goal or a smaller grid.cell_m"
+        )
+    reference = lay_reference(scenario, weather, plan, aircraft.envelope.cruise_mps)
     start = reference.at(0.0)
     lat_rad, lon_rad = grid.frame.to_geodetic(start.north_m, start.east_m)
     envelope = aircraft.envelope
@@ -124,7 +132,9 @@ def prepare_flight(
     )
 
 
-def lay_reference(scenario: Scenario, weather: MissionWeather, plan: Plan) -> Reference:
+def lay_reference(
+    scenario: Scenario, weather: MissionWeather, plan: Plan, loiter_airspeed_mps: float
+) -> Reference:
     """The flyable curve through a plan's waypoints, in the plane of the planner's grid."""
     frame, wind = weather.forecast.grid.frame, weather.forecast.probe()
 
@@ -145,6 +155,7 @@ def lay_reference(scenario: Scenario, weather: MissionWeather, plan: Plan) -> Re
         loiter_radius_m=scenario.aircraft.loiter_radius_m,
         lead_in_s=scenario.flight.lead_in_s,
         wind_at=wind_at,
+        loiter_airspeed_mps=loiter_airspeed_mps,
     )
 
 
@@ -169,8 +180,8 @@ def weather_sheets(scenario: Scenario, weather: MissionWeather) -> tuple[Weather
             stage=stage,
             time_s=stage * clock.stage_s if stage else -scenario.flight.lead_in_s,
             hazard=hazards[layer][stage],
-            wind_north_mps=north,
-            wind_east_mps=east,
+            wind_north_mps=north.astype(np.float32),
+            wind_east_mps=east.astype(np.float32),
         )
         for stage in range(clock.stage_count)
         for layer, wind, _ in layers

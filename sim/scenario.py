@@ -53,10 +53,14 @@ class Mission(Struct, frozen=True):
 
 
 class Weather(Struct, frozen=True):
-    """Where the wind comes from: a built-in storm by its HURDAT2 id, or a CF NetCDF file of one's own."""
+    """Where the wind comes from: a built-in storm by its HURDAT2 id, or a CF NetCDF file of one's own.
+
+    `variables`: names of the eastward and the northward wind, for a file that has several.
+    """
 
     storm: str | None = None
     file: str | None = None
+    variables: tuple[str, str] | None = None
 
 
 class GridTable(Struct, frozen=True):
@@ -105,7 +109,7 @@ class AircraftTable(Struct, frozen=True):
     """Which aircraft, and the radii of its turns and loiter circles over ground."""
 
     model: str = "aerosonde"
-    turn_radius_m: Positive = 250.0
+    turn_radius_m: Positive = 300.0
     loiter_radius_m: Positive = 550.0
 
 
@@ -132,7 +136,7 @@ class Flight(Struct, frozen=True):
 class Scenario(Struct, frozen=True):
     """One flight, whole: everything that decides it stands here."""
 
-    name: Annotated[str, Meta(pattern="^[A-Za-z0-9_.-]+$")]
+    name: Annotated[str, Meta(pattern="^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
     mission: Mission
     weather: Weather
     description: str = ""

@@ -6,6 +6,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
+from recordings.limits import figure_kinds
 from sim.scenario import Scenario
 
 ROOT = Path(__file__).parent.parent
@@ -46,6 +47,13 @@ def test_the_scenario_page_lists_every_key_with_its_default():
         else:
             assert found[key] is not None, key
             assert msgspec.json.decode(found[key].encode()) == (list(default) if default == () else default)
+
+
+def test_the_report_page_explains_every_figure():
+    text = (ROOT / "docs" / "report.md").read_text(encoding="utf-8")
+    rows = [line.split("|")[1] for line in text.splitlines() if line.startswith("| `")]
+    named = set(re.findall(r"`([\w.]+)`", " ".join(rows)))
+    assert named == {*figure_kinds(), "real_time_factor"}
 
 
 @pytest.mark.parametrize("name", ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md"])

@@ -17,7 +17,7 @@ from planner.export.gpx import to_gpx
 from planner.export.kml import to_kml
 from planner.export.qgroundcontrol import to_qgroundcontrol
 from planner.export.waypoints import to_waypoints
-from planner.plan import Plan
+from planner.plans import Plan
 
 FORMATS: dict[str, Callable[[Plan], bytes]] = {
     ".geojson": to_geojson,

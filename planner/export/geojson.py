@@ -8,7 +8,7 @@ import msgspec
 
 from planner.export.antimeridian import Fix, cut
 from planner.export.schedule import Stop, goal_places, stops, utc
-from planner.plan import Plan
+from planner.plans import Plan
 
 
 def to_geojson(plan: Plan) -> bytes:

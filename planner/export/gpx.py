@@ -6,7 +6,7 @@ from xml.etree.ElementTree import Element
 
 from planner.export.markup import add, angle, height, to_bytes
 from planner.export.schedule import goal_places, stops, utc
-from planner.plan import Plan
+from planner.plans import Plan
 
 
 def to_gpx(plan: Plan) -> bytes:

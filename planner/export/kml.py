@@ -6,7 +6,7 @@ from xml.etree.ElementTree import Element
 
 from planner.export.markup import add, angle, height, to_bytes
 from planner.export.schedule import Stop, goal_places, stops, utc
-from planner.plan import Plan
+from planner.plans import Plan
 
 _NAMESPACES = {"xmlns": "http://www.opengis.net/kml/2.2", "xmlns:gx": "http://www.google.com/kml/ext/2.2"}
 

@@ -8,7 +8,7 @@ import msgspec
 
 from planner.export.mission import DO_CHANGE_SPEED, Item, mission_items
 from planner.export.schedule import stops
-from planner.plan import Plan
+from planner.plans import Plan
 
 _ANY_AUTOPILOT = 0  # MAV_AUTOPILOT_GENERIC
 _FIXED_WING = 1  # MAV_TYPE_FIXED_WING

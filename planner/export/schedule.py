@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 
 from planner.errors import BadPlanError
-from planner.plan import GoalOutcome, Plan
+from planner.plans import GoalOutcome, Plan
 
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 _DIGITS = 3  # of metres and seconds

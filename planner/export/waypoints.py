@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from planner.export.mission import FRAME_GLOBAL, NAV_WAYPOINT, Item, mission_items
 from planner.export.schedule import stops
-from planner.plan import Plan
+from planner.plans import Plan
 
 
 def to_waypoints(plan: Plan) -> bytes:

@@ -64,7 +64,10 @@ def find_winds(dataset: xr.Dataset, wanted: tuple[str, str] | None) -> tuple[str
             )
         ] or [pair for pair in _WIND_NAMES if all(name in dataset.data_vars for name in pair)]
     if len(pairs) > 1:
-        raise WeatherError(f"it has several winds ({there}); name the two variables to read")
+        raise WeatherError(
+            f"it has several winds ({there}); name the two to read, eastward and northward "
+            "(weather.variables in a scenario)"
+        )
     if not pairs:
         missing = "an east and a north wind" if wanted is None else f"the winds {' and '.join(wanted)}"
         raise WeatherError(

@@ -22,6 +22,14 @@ STORMS: dict[str, tuple[BestTrackFix, ...]] = {"AL092022": HURRICANE_IAN}
 SHEET_INTERVAL_S = 1800.0
 """Between two times of a storm's wind field: a storm moves less than its radius of maximum wind in it."""
 
+MOST_CELLS = 2_000_000
+"""Cells of the planner's grid: nine times those of the paper, about 2 GB in a search of 540 steps."""
+
+POLAR_LIMIT_RAD = math.radians(80.0)
+
+STRONGEST_MPS = 150.0
+"""A component of wind beyond any that was measured, tornadoes included."""
+
 LATE_S = 3600.0
 """Wind kept beyond the planner's horizon, for a flight that is late."""
 
@@ -45,8 +53,13 @@ def bring_weather(loaded: LoadedScenario) -> MissionWeather:
     """
     scenario = loaded.scenario
     if scenario.weather.file is not None:
-        truth = read_wind(loaded.folder / scenario.weather.file, area_rad=_bounds_rad(scenario.grid))
+        truth = read_wind(
+            loaded.folder / scenario.weather.file,
+            variables=scenario.weather.variables,
+            area_rad=_bounds_rad(scenario.grid),
+        )
         _check_time(truth, scenario, scenario.weather.file)
+        _check_speed(truth, scenario.weather.file)
         grid = refined_grid(truth.grid, scenario.grid, scenario.weather.file)
         forecast = truth.at_altitude(scenario.mission.altitude_m).resampled(grid)
         return MissionWeather(forecast, truth)
@@ -89,6 +102,7 @@ def _area_grid(table: GridTable) -> Grid:
     coarse = Grid.covering(*bounds_rad, rows=3, columns=3)
     rows = round(2 * float(coarse.north_cell_m[1]) / table.cell_m) + 1
     columns = round(2 * float(coarse.east_cell_m[1]) / table.cell_m) + 1
+    _check_cells(rows, columns)
     return Grid.covering(*bounds_rad, rows=max(rows, 2), columns=max(columns, 2))
 
 
@@ -104,7 +118,7 @@ def refined_grid(native: Grid, table: GridTable, source: str | Path) -> Grid:
         source: the file, for messages.
 
     Raises:
-        WeatherError: if the area reaches outside the file.
+        WeatherError: if the area reaches outside the file, too near a pole, or has too many cells.
     """
     rows, columns = range(native.rows), range(native.columns)
     if bounds_rad := _bounds_rad(table):
@@ -113,9 +127,16 @@ def refined_grid(native: Grid, table: GridTable, source: str | Path) -> Grid:
         high_row, high_column = native.indices(north_rad, east_rad)
         rows = _nodes_around(low_row, high_row, native.rows, "latitudes", source)
         columns = _nodes_around(low_column, high_column, native.columns, "longitudes", source)
+    polar_rad = max(abs(float(native.lat_rad[rows[0]])), abs(float(native.lat_rad[rows[-1]])))
+    if polar_rad > POLAR_LIMIT_RAD:
+        raise WeatherError(
+            f"{source} reaches {math.degrees(polar_rad):.1f} deg of latitude, the planner works up to "
+            f"{math.degrees(POLAR_LIMIT_RAD):.0f}; give the mission's area in [grid]"
+        )
     middle = rows[len(rows) // 2]
     north_splits = max(round(float(native.north_cell_m[middle]) / table.cell_m), 1)
     east_splits = max(round(float(native.east_cell_m[middle]) / table.cell_m), 1)
+    _check_cells((len(rows) - 1) * north_splits + 1, (len(columns) - 1) * east_splits + 1)
     return Grid(
         float(native.lat_rad[rows[0]]),
         float(native.lon_rad[columns[0]]),
@@ -124,6 +145,14 @@ def refined_grid(native: Grid, table: GridTable, source: str | Path) -> Grid:
         (len(rows) - 1) * north_splits + 1,
         (len(columns) - 1) * east_splits + 1,
     )
+
+
+def _check_cells(rows: int, columns: int) -> None:
+    if rows * columns > MOST_CELLS:
+        raise WeatherError(
+            f"the planner's grid would have {rows} x {columns} cells, the limit is {MOST_CELLS}; "
+            "raise grid.cell_m, or give a smaller area in [grid]"
+        )
 
 
 def _nodes_around(low: float, high: float, count: int, what: str, source: str | Path) -> range:
@@ -135,6 +164,15 @@ def _nodes_around(low: float, high: float, count: int, what: str, source: str | 
             "give an area inside the file, or leave it out to use all of it"
         )
     return range(first, last + 1)
+
+
+def _check_speed(wind: WindField, source: str) -> None:
+    fastest_mps = max(float(np.abs(part).max()) for part in (wind.north_mps, wind.east_mps))
+    if fastest_mps > STRONGEST_MPS:
+        raise WeatherError(
+            f"{source} has a wind of {fastest_mps:.3g} m/s, which blows nowhere on Earth (limit "
+            f"{STRONGEST_MPS:.0f} m/s); if it marks missing values, declare it as _FillValue"
+        )
 
 
 def _check_time(wind: WindField, scenario: Scenario, source: str) -> None:

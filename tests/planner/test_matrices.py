@@ -10,7 +10,7 @@ import pytest
 
 import planner
 from planner.errors import BadFieldError, OutsideGridError, PlannerError
-from planner.plan import Plan
+from planner.plans import Plan
 from planner.score import Weights
 
 CLEAR = np.zeros((2, 4, 5), dtype=np.uint8)
@@ -18,7 +18,7 @@ CLEAR = np.zeros((2, 4, 5), dtype=np.uint8)
 
 def test_the_package_offers_the_call_and_stays_light():
     assert Plan.__name__ == "Plan"
-    assert callable(planner.plan)  # though planner/plan.py is loaded
+    assert callable(planner.plan)
     script = "import planner, sys; sys.exit('numpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", script], check=False).returncode == 0
 

@@ -74,7 +74,7 @@ def test_head_wind_beyond_the_envelope_is_not_flown_into():
         east[:] = -14.0  # below the threshold, but 30 m/s over ground against it asks for 44 m/s
 
     plan = plan_staged(wind(strong_easterlies), REQUEST)
-    assert plan.outcome.reason == "no safe, flyable way leads there within the horizon"
+    assert plan.outcome.reason == "every safe way there asks for airspeeds that the aircraft does not have"
     assert plan.waypoints == ()
     faster = plan_staged(wind(strong_easterlies), replace(REQUEST, airspeed_max_mps=50.0))
     assert faster.outcome.reachable
@@ -90,6 +90,21 @@ def test_reasons(cell, reason):
     plan = plan_staged(wind(storm), REQUEST)
     assert not plan.outcome.reachable
     assert plan.outcome.reason.startswith(reason)
+
+
+def test_a_closed_door_is_not_blamed_on_the_airspeed():
+    def wall(east):
+        east[:, :, 3] = 40.0
+
+    plan = plan_staged(wind(wall), REQUEST)
+    assert plan.outcome.reason == "no safe way leads there within the horizon"
+
+
+@pytest.mark.parametrize(("step_s", "word"), [(10.0, "3[0-9][0-9] m/s"), (3600.0, "1 m/s")])
+def test_cells_that_cannot_be_flown_in_a_step_are_refused(step_s, word):
+    clock = StageClock(0.0, stage_count=1, steps_per_stage=1, step_s=step_s)
+    with pytest.raises(PlannerError, match=word):
+        plan_staged(wind(), replace(REQUEST, clock=clock))
 
 
 def test_bad_requests():

@@ -11,7 +11,7 @@ import pytest
 from aircraft.reference import PathPoint, Reference
 from aircraft.state import Command, FlightState
 from planner.grid import Grid
-from planner.plan import GoalOutcome, Plan, Waypoint
+from planner.plans import GoalOutcome, Plan, Waypoint
 from recordings.mcap_reader import read
 from recordings.mcap_writer import McapRecorder
 from recordings.recorder import FlightHeader, GuidanceSample, Layer, Outcome, Recorder, WeatherSheet
@@ -119,11 +119,13 @@ def fly_along(
     """Follow the reference at a constant offset, as if the schedule were `late_s` later."""
     reference, frame = header.reference, header.grid.frame
     end_s = header.plan.duration_s + late_s if until_s is None else until_s
-    times_s = np.arange(round((end_s + LEAD_IN_S) * hz) + 1) / hz - LEAD_IN_S
+    times_s = np.arange(math.ceil((end_s + LEAD_IN_S) * hz - 1e-6) + 1) / hz - LEAD_IN_S
     points = reference.at_many(reference.path_at_times(times_s - late_s))
     off_m = right_m * points.scale
+    beyond_m = np.maximum(times_s - late_s - header.plan.duration_s, 0.0) * points.speed_mps * points.scale
+    north, east = np.cos(points.course_rad), np.sin(points.course_rad)
     lat_rad, lon_rad = frame.to_geodetic(
-        points.north_m - off_m * np.sin(points.course_rad), points.east_m + off_m * np.cos(points.course_rad)
+        points.north_m - off_m * east + beyond_m * north, points.east_m + off_m * north + beyond_m * east
     )
     states = [
         FlightState(
@@ -156,7 +158,7 @@ def fly_along(
             fuel_kg=4.0 - 1e-4 * time_s,
             height_above_ground_m=990.0,
         )
-        for i, time_s in enumerate(times_s)
+        for i, time_s in enumerate(times_s.tolist())
     ]
     guidance = [
         GuidanceSample(float(path_m), 0.25, -0.5, 1.5, 1, Command(0.1, 28.0, ALTITUDE_M, 0.0))

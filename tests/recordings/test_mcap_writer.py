@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -115,9 +116,21 @@ def test_a_killed_flight_loses_no_more_than_a_chunk(workshop, flight):
     recorder = McapRecorder(workshop.folder / "flight.mcap")
     flight.record(recorder, finish=False)
     left = read(recorder.partial_path)
-    assert len(flight.states) - SAMPLES_PER_CHUNK < len(left.state) < len(flight.states)
-    assert not left.complete
     recorder.abandon()
+    assert len(left.state) == len(flight.states) // SAMPLES_PER_CHUNK * SAMPLES_PER_CHUNK
+    assert not left.complete
+
+
+def test_events_do_not_hold_chunks_back(workshop, flight):
+    recorder = McapRecorder(workshop.folder / "flight.mcap")
+    recorder.begin(flight.header)
+    for state, guidance in zip(flight.states, flight.guidance, strict=True):
+        recorder.sample(state, guidance)
+        if state.time_s % 10.0 == 0.0:
+            recorder.event(state.time_s, "again")
+    left = read(recorder.partial_path)
+    recorder.abandon()
+    assert len(left.state) == len(flight.states) // SAMPLES_PER_CHUNK * SAMPLES_PER_CHUNK
 
 
 def test_abandoning_what_never_began_does_nothing(workshop):
@@ -131,9 +144,15 @@ def test_a_folder_that_is_not_there_is_named(workshop, flight):
         recorder.begin(flight.header)
 
 
-def test_a_flight_before_1970_is_refused(workshop, flight):
-    from dataclasses import replace
+def test_a_full_disc_is_named(workshop, flight):
+    (workshop.folder / "flight.partial.mcap").symlink_to("/dev/full")
+    recorder = McapRecorder(workshop.folder / "flight.mcap")
+    with pytest.raises(RecordingError, match=r"flight\.partial\.mcap: No space left"):
+        flight.record(recorder)
+    recorder.abandon()
 
+
+def test_a_flight_before_1970_is_refused(workshop, flight):
     early = replace(flight.header, plan=replace(flight.header.plan, departure_s=10.0))
     with pytest.raises(RecordingError, match="1970"):
         McapRecorder(workshop.folder / "flight.mcap").begin(early)
@@ -147,8 +166,6 @@ def test_a_sample_without_a_time_is_refused(workshop, flight):
 
 
 def test_a_sheet_of_another_grid_is_refused(workshop, flight):
-    from dataclasses import replace
-
     sheet = replace(flight.sheets[0], hazard=np.zeros((3, 4), bool))
     recorder = McapRecorder(workshop.folder / "flight.mcap")
     recorder.begin(flight.header)

@@ -33,6 +33,9 @@ REPORT_KEYS = [
     "hazard_exposure_s",
     "min_clearance_m",
     "samples",
+    "waypoints_missed",
+    "corner_cut_m",
+    "outside_airspeeds_s",
 ]
 
 
@@ -144,6 +147,15 @@ def test_a_recording_cut_short_is_reported_as_far_as_it_goes(flown, galeway, tmp
     assert "incomplete" in done.stderr
 
 
+def test_without_limits_a_flight_is_flown_and_reported_but_a_check_is_no_check(galeway, tmp_path):
+    done = galeway("fly", SHORT, "--out", str(tmp_path), "--set", "limits=[]")
+    assert done.returncode == 0
+    assert "cross-track" in done.stdout
+    checked = galeway("check", str(tmp_path / "flight.mcap"))
+    assert_one_message(checked, 2, "no limit")
+    assert "cross-track" in checked.stdout
+
+
 def test_scenarios_are_listed(galeway):
     done = galeway("scenarios")
     assert done.returncode == 0
@@ -170,6 +182,13 @@ def test_plan_prints_and_writes(galeway, tmp_path):
             ["goal There", "off the grid"],
         ),
         (["--set", "weather.storm=AL012022"], ["AL012022", "AL092022"]),
+        (["--set", "grid.cell_m=100"], ["cells", "grid.cell_m"]),
+        (["--set", "grid.cell_m=30000"], ["m/s over ground", "22 to 39"]),
+        (["--set", "name=.."], ["name"]),
+        (
+            ["--set", 'mission.goals=[{name="There", lat_deg=29.601, lon_deg=-90.601}]'],
+            ["one cell of 3600 m"],
+        ),
         (["--set", "mission.departure=2023-01-01T00:00:00Z"], ["2023-01-01", "fixes"]),
         (["--set", "limits=['cross_track_m.p96 <= 2']"], ["cross_track_m.p96", "cross_track_m.p95"]),
         (["--goal", "Nowhere"], ["'Nowhere'", "There"]),
@@ -218,7 +237,7 @@ def test_limits_that_cannot_be_read_are_named(flown, galeway, tmp_path):
     ("arguments", "reason"),
     [
         (["--set", "hazard.threshold_mps=0.1"], "the start is in hazard at departure"),
-        (["--set", "stages.steps=3"], "no safe, flyable way leads there within the horizon"),
+        (["--set", "stages.steps=3"], "no safe way leads there within the horizon"),
     ],
 )
 def test_no_route_is_an_answer_with_a_reason(galeway, tmp_path, arguments, reason):
@@ -277,6 +296,7 @@ def test_a_wind_file_of_ones_own_is_flown_in(galeway, own_weather, tmp_path):
     [
         ({"values": {(1, 7, 8): np.nan}}, ["wind.nc", "2022-09-29T01:00:00, lat 29.7"]),
         ({"units": "furlong"}, ["wind.nc", "furlong"]),
+        ({"values": {(1, 7, 8): 9.9e36}}, ["wind.nc", "9.9e+36", "_FillValue"]),
         ({"name": "x", "standard_name": "sea_surface_height"}, ["wind.nc", "wind"]),
     ],
 )

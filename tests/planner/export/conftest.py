@@ -8,7 +8,7 @@ import pyproj
 import pytest
 from hypothesis import strategies as st
 
-from planner.plan import GoalOutcome, Plan, Waypoint
+from planner.plans import GoalOutcome, Plan, Waypoint
 
 
 class Visit(NamedTuple):

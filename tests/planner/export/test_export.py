@@ -6,7 +6,7 @@ import pytest
 
 from planner.errors import BadPlanError, PlannerError
 from planner.export import FORMATS, export
-from planner.plan import GoalOutcome, Plan
+from planner.plans import GoalOutcome, Plan
 
 every_format = pytest.mark.parametrize("suffix", FORMATS)
 STARTS = {".geojson": b"{", ".kml": b"<?xml", ".gpx": b"<?xml", ".plan": b"{", ".waypoints": b"QGC WPL 110"}

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from planner.export.gpx import to_gpx
-from planner.plan import GoalOutcome
+from planner.plans import GoalOutcome
 
 gpxpy = pytest.importorskip("gpxpy", reason="the reader gpxpy is missing")
 

@@ -33,7 +33,7 @@ def test_ian_has_cells_of_3600_m_over_its_area():
     assert weather.truth.time_s[-1] >= 1664409600.0 + 2 * 3600.0  # an hour for a flight that is late
 
 
-@given(st.floats(300.0, 20_000.0))
+@given(st.floats(400.0, 20_000.0))
 def test_refining_keeps_every_node_of_the_file(cell_m):
     grid = refined_grid(NATIVE, GridTable(cell_m=cell_m), "wind.nc")
     for native, own in ((NATIVE.lat_rad, grid.lat_rad), (NATIVE.lon_rad, grid.lon_rad)):
@@ -68,6 +68,15 @@ def test_longitudes_to_360_mean_the_same_area():
 def test_an_area_outside_the_file_is_refused(bounds, word):
     with pytest.raises(WeatherError, match=f"wind.nc does not hold all {word}"):
         refined_grid(NATIVE, GridTable(3600.0, *bounds), "wind.nc")
+
+
+def test_a_file_up_to_the_poles_asks_for_an_area():
+    world = Grid.covering(*map(math.radians, (-90.0, 90.0, 0.0, 358.0)), rows=91, columns=180)
+    with pytest.raises(WeatherError, match=r"90\.0 deg of latitude"):
+        refined_grid(world, GridTable(), "world.nc")
+    area = GridTable(cell_m=3600.0, south_deg=20.0, north_deg=70.0, west_deg=200.0, east_deg=300.0)
+    with pytest.raises(WeatherError, match=r"grid\.cell_m"):
+        refined_grid(world, area, "world.nc")
 
 
 def test_an_unknown_storm_is_refused():

@@ -90,8 +90,17 @@ class Plan:
         return plan
 
     def save(self, path: Path) -> None:
-        """Write the plan as JSON."""
-        path.write_bytes(self.to_json())
+        """Write the plan as JSON.
+
+        Raises:
+            BadPlanError: if the file cannot be written.
+        """
+        try:
+            path.write_bytes(self.to_json())
+        except OSError as error:
+            raise BadPlanError(
+                f"cannot write the plan {path}: {error.strerror}; name another file"
+            ) from error
 
     @classmethod
     def load(cls, path: Path) -> Plan:

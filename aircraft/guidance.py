@@ -1,0 +1,239 @@
+"""Path following in wind: bank, airspeed, altitude and climb that keep an aircraft on its reference, on time.
+
+Three published ideas, put together:
+
+- The way back to the path is a field of wanted courses, steeper the farther off, at most `approach_max_rad`
+  (the vector field of Nelson, Barber, McLain, Beard 2007 and of Beard & McLain, *Small Unmanned Aircraft*,
+  chapter 10). Near the path it is a proportional-derivative law, like L1 (Park, Deyst, How 2004), and the
+  curvature of the path is fed forward (Beard & McLain, section 10.2).
+- It is followed by turning the velocity through the air, not that over ground (Stastny & Siegwart, *On flying
+  backwards*, 2019): the wind triangle gives the air's course that has the wanted drift over ground, and where
+  the wind leaves none, the nearest to it. So a wind as strong as the airspeed never turns the aircraft away.
+- The time of arrival is held by ground speed: what the schedule asks a little ahead, and a share of the time
+  error; the wind triangle turns it into airspeed.
+
+With chi the course of the path, eta the angle from it to the velocity through the air (true airspeed V), w_t
+and w_n the wind along and to the right of it, and v the ground speed along it:
+
+    to close in at a speed e     sin(eta_wanted) = (e - w_n) / V                            [rad]
+    turn rate through the air    omega = (v^2 kappa + (w_n / V) dV/dt) / (V cos(eta))
+                                         + k_course (eta_wanted - eta)                     [rad/s]
+    bank                         tan(bank) = V omega / g                                    [rad]
+
+Kappa is taken a little ahead, so that the bank is there when the curve begins; the term with dV/dt keeps the
+drift at rest while the airspeed changes.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from aircraft.envelope import Envelope
+from aircraft.reference import Phase, Reference, ReferencePoint
+from aircraft.state import Command, FlightState
+
+_GRAVITY_MPS2 = 9.80665
+_TURN_RAD = 2.0 * math.pi
+_COSINE_MIN = 0.3  # beyond 72 degrees of crab the feed-forward is no longer worth its growth
+
+
+@dataclass(frozen=True, slots=True)
+class Gains:
+    """How guidance is tuned.
+
+    Attributes:
+        cross_track_per_s: wanted speed back to the path, per distance off it.
+        course_per_s: turn rate per error of course.
+        roll_lead_s: how far ahead that error is predicted from the bank there is; it damps the roll's lag.
+        integral_per_s2: of the cross-track error, for what bank does not hold exactly.
+        integral_max_mps: bound of its effect, a speed across the path.
+        approach_max_rad: steepest wanted course to the path, from the path's.
+        crab_max_rad: largest angle between the path and the velocity through the air.
+        bank_preview_s: how far ahead the curvature is taken.
+        bank_blend_s: the flight time over which that is averaged, around there; the climb is its end's.
+        airspeed_preview_s: how far ahead the schedule's speed is taken.
+        acceleration_filter_s: time constant of the measured change of airspeed.
+        time_per_s: share of ground speed added per second late.
+        time_share_max: bound of that share.
+    """
+
+    cross_track_per_s: float = 0.6
+    course_per_s: float = 2.5
+    roll_lead_s: float = 0.15
+    integral_per_s2: float = 0.02
+    integral_max_mps: float = 1.0
+    approach_max_rad: float = math.radians(60.0)
+    crab_max_rad: float = math.radians(80.0)
+    bank_preview_s: float = 0.45
+    bank_blend_s: float = 0.4
+    airspeed_preview_s: float = 3.5
+    acceleration_filter_s: float = 0.3
+    time_per_s: float = 0.2
+    time_share_max: float = 0.25
+
+
+class Progress(NamedTuple):
+    """Where the aircraft is on its reference, as guidance sees it.
+
+    `path_m`: distance along it, plane metres. `cross_track_m`: true metres, right positive.
+    `altitude_error_m`: above positive. `time_error_s`: late positive. `phase`: of the reference there.
+    """
+
+    path_m: float
+    cross_track_m: float
+    altitude_error_m: float
+    time_error_s: float
+    phase: Phase
+
+
+class _Motion(NamedTuple):
+    """Velocity over ground, and of the wind: along the path and to its right."""
+
+    forward_mps: float
+    right_mps: float
+    tail_mps: float
+    cross_wind_mps: float
+
+
+class Guidance:
+    """Follows one reference, once; call `update` at regular times, 5 to 20 a second."""
+
+    def __init__(self, reference: Reference, envelope: Envelope, gains: Gains | None = None) -> None:
+        self.reference = reference
+        self.envelope = envelope
+        self.gains = gains or Gains()
+        self._path_m: float | None = None
+        self._time_s = 0.0
+        self._airspeed_mps = 0.0
+        self._acceleration_mps2 = 0.0
+        self._integral_mps = 0.0
+        self._tan_bank_max = math.tan(envelope.bank_max_rad)
+
+    def update(
+        self,
+        state: FlightState,
+        north_m: float,
+        east_m: float,
+        scale: float,
+        wind_north_mps: float,
+        wind_east_mps: float,
+    ) -> tuple[Command, Progress]:
+        """What to fly until the next update.
+
+        Args:
+            state: its time, velocity over ground, altitude and bank are used.
+            north_m: position in the reference's plane.
+            east_m: position in the reference's plane.
+            scale: plane metres per true metre there.
+            wind_north_mps: wind, toward.
+            wind_east_mps: wind, toward.
+        """
+        reference, gains = self.reference, self.gains
+        north_mps, east_mps = state.north_mps, state.east_mps
+        if self._path_m is None:
+            self._path_m = reference.path_at_time(state.time_s)
+            self._time_s = state.time_s
+            self._airspeed_mps = math.hypot(north_mps - wind_north_mps, east_mps - wind_east_mps)
+        step_s = state.time_s - self._time_s
+        self._time_s = state.time_s
+
+        path_m, cross_m = reference.project(north_m, east_m, self._path_m)
+        self._path_m = path_m
+        here = reference.at(path_m)
+        cosine, sine = math.cos(here.course_rad), math.sin(here.course_rad)
+        motion = _Motion(
+            north_mps * cosine + east_mps * sine,
+            east_mps * cosine - north_mps * sine,
+            wind_north_mps * cosine + wind_east_mps * sine,
+            wind_east_mps * cosine - wind_north_mps * sine,
+        )
+        onward = max(motion.forward_mps, 0.0) * scale  # plane metres a second
+        time_error_s = state.time_s - here.time_s
+
+        blend_m = max(gains.bank_blend_s * onward, 0.1)
+        blend_from_m = path_m + gains.bank_preview_s * onward - 0.5 * blend_m
+        soon = reference.at(blend_from_m + blend_m)
+        turned_rad = math.remainder(soon.course_rad - reference.at(blend_from_m).course_rad, _TURN_RAD)
+        curvature_ahead = turned_rad / blend_m * scale
+        tan_bank = self._tan_bank(
+            motion, cross_m, here.curvature_radpm, curvature_ahead, state.roll_rad, step_s
+        )
+        ahead = reference.at(path_m + gains.airspeed_preview_s * onward)
+        airspeed_mps = self._airspeed(ahead, time_error_s, tan_bank, wind_north_mps, wind_east_mps)
+        climb_mps = soon.climb_mps * motion.forward_mps / soon.speed_mps
+        return (
+            Command(math.atan(tan_bank), airspeed_mps, here.altitude_m, climb_mps),
+            Progress(path_m, cross_m, state.altitude_m - here.altitude_m, time_error_s, here.phase),
+        )
+
+    def _tan_bank(
+        self,
+        motion: _Motion,
+        cross_m: float,
+        curvature: float,
+        curvature_ahead: float,
+        roll_rad: float,
+        step_s: float,
+    ) -> float:
+        """Tangent of the bank that turns the velocity through the air to where it closes in on the path."""
+        gains = self.gains
+        forward_mps, right_mps, tail_mps, cross_wind_mps = motion
+        air_forward_mps, air_right_mps = forward_mps - tail_mps, right_mps - cross_wind_mps
+        airspeed_mps = max(math.hypot(air_forward_mps, air_right_mps), 1.0)
+        self._note_acceleration(airspeed_mps, step_s)
+        crab_max = math.sin(gains.crab_max_rad)
+        closing_mps = self._closing_speed(cross_m, math.hypot(forward_mps, right_mps), step_s)
+        crab = min(max((closing_mps - cross_wind_mps) / airspeed_mps, -crab_max), crab_max)
+        angle_rad = math.atan2(air_right_mps, air_forward_mps)
+
+        # accelerations across the velocity through the air
+        per_across = 1.0 / max(math.cos(angle_rad), _COSINE_MIN)
+        curving = per_across * forward_mps * abs(forward_mps) / max(1.0 - curvature * cross_m, 0.5)
+        speeding = per_across * cross_wind_mps / airspeed_mps * self._acceleration_mps2
+        excess = _GRAVITY_MPS2 * math.tan(roll_rad) - curving * curvature - speeding
+        error_rad = math.remainder(math.asin(crab) - angle_rad, _TURN_RAD)
+        error_rad -= gains.roll_lead_s * excess / airspeed_mps
+        wanted = curving * curvature_ahead + speeding + airspeed_mps * gains.course_per_s * error_rad
+        return min(max(wanted / _GRAVITY_MPS2, -self._tan_bank_max), self._tan_bank_max)
+
+    def _note_acceleration(self, airspeed_mps: float, step_s: float) -> None:
+        """Smooth the change of airspeed (through the steady wind, so free of gusts themselves)."""
+        if step_s > 0.0:
+            measured = (airspeed_mps - self._airspeed_mps) / step_s
+            weight = step_s / (step_s + self.gains.acceleration_filter_s)
+            self._acceleration_mps2 += weight * (measured - self._acceleration_mps2)
+        self._airspeed_mps = airspeed_mps
+
+    def _closing_speed(self, cross_m: float, ground_speed_mps: float, step_s: float) -> float:
+        """Wanted speed to the right, over ground, toward the path."""
+        gains = self.gains
+        limit_mps = math.sin(gains.approach_max_rad) * max(ground_speed_mps, 10.0)
+        back_mps = -gains.cross_track_per_s * cross_m
+        if abs(back_mps) < gains.integral_max_mps:  # far off, the integral would only wind up
+            wound = self._integral_mps - gains.integral_per_s2 * cross_m * step_s
+            self._integral_mps = min(max(wound, -gains.integral_max_mps), gains.integral_max_mps)
+        return min(max(back_mps + self._integral_mps, -limit_mps), limit_mps)
+
+    def _airspeed(
+        self,
+        ahead: ReferencePoint,
+        time_error_s: float,
+        tan_bank: float,
+        wind_north_mps: float,
+        wind_east_mps: float,
+    ) -> float:
+        """The true airspeed that gives the scheduled ground speed at a point of the reference."""
+        gains, envelope = self.gains, self.envelope
+        share = min(max(gains.time_per_s * time_error_s, -gains.time_share_max), gains.time_share_max)
+        speed_mps = ahead.speed_mps * (1.0 + share)
+        wanted_mps = math.hypot(
+            speed_mps * math.cos(ahead.course_rad) - wind_north_mps,
+            speed_mps * math.sin(ahead.course_rad) - wind_east_mps,
+        )
+        tan_ahead = speed_mps * speed_mps * ahead.curvature_radpm / _GRAVITY_MPS2
+        steepest = max(abs(tan_bank), min(abs(tan_ahead), self._tan_bank_max))
+        stall = math.sqrt(math.hypot(1.0, steepest))  # lift carries 1/cos(bank) weights
+        lowest_mps = min(envelope.airspeed_min_mps * stall, envelope.airspeed_max_mps)
+        return min(max(wanted_mps, lowest_mps), envelope.airspeed_max_mps)

@@ -1,0 +1,41 @@
+"""Figures of values that are known."""
+
+import numpy as np
+import pytest
+
+from recordings.figures import Extent, Largest, Places, Spread, Statistics
+
+
+@pytest.fixture
+def places():
+    return Places(np.arange(101.0), np.linspace(-50.0, 50.0, 101), np.linspace(100.0, 0.0, 101))
+
+
+def test_a_spread_is_of_absolute_errors(places):
+    statistics = Statistics()
+    errors = np.where(np.arange(101) % 2 == 0, 1.0, -1.0) * np.arange(101.0)
+    assert statistics.spread("height_m", errors, places) == Spread(50.0, 95.0, 100.0)
+    assert {str(moment) for moment in statistics.worst.values()} == {"100 m at 00:01:40, 50.00 N 0.00 E"}
+
+
+def test_a_spread_leaves_out_what_was_not_measured(places):
+    statistics = Statistics()
+    errors = np.full(101, np.nan)
+    assert statistics.spread("height_m", errors, places) == Spread(None, None, None)
+    errors[[3, 4]] = -2.0, 1.0
+    assert statistics.spread("height_m", errors, places) == Spread(1.5, 1.95, 2.0)
+    assert statistics.worst["height_m.mean"].time_s == 3.0
+
+
+def test_an_extent_keeps_the_moments_of_both_ends(places):
+    statistics = Statistics()
+    assert statistics.extent("air_mps", np.arange(101.0)[::-1] - 50.0, places) == Extent(-50.0, 0.0, 50.0)
+    assert str(statistics.worst["air_mps.min"]) == "-50 m/s at 00:01:40, 50.00 N 0.00 E"
+    assert str(statistics.worst["air_mps.max"]) == "50 m/s at 00:00:00, 50.00 S 100.00 E"
+
+
+def test_nothing_is_none(places):
+    statistics = Statistics()
+    assert statistics.extent("air_mps", np.array([]), places) == Extent(None, None, None)
+    assert statistics.largest("cut_m", np.array([]), places) == Largest(None)
+    assert statistics.worst == {}

@@ -1,0 +1,115 @@
+"""Pictures and the viewer; those that need a Vulkan driver say so and skip where there is none."""
+
+import os
+from dataclasses import replace
+
+import numpy as np
+import psutil
+import pytest
+from PIL import Image
+
+from recordings.errors import BadRecordingError, RecordingError
+from recordings.rerun_replay import picture, replay, rerun_file
+from recordings.rerun_scene import FLOWN_COLOUR, PLAN_COLOUR
+from recordings.rerun_writer import RerunRecorder
+
+LONG_CORNERS = ((-40e3, -80e3), (-40e3, 20e3), (20e3, 20e3), (20e3, 60e3))
+LEG_S = 1200.0
+
+
+@pytest.fixture
+def recording(workshop, tmp_path):
+    """A flight over an hour that crosses most of the chart."""
+    sheets = [
+        replace(sheet, stage=stage, time_s=sheet.time_s if stage == 0 else 600.0 * stage)
+        for stage in range(6)
+        for sheet in workshop.sheets(stages=1)
+    ]
+    flight = workshop.fly(workshop.header(LONG_CORNERS, LEG_S), hz=1, sheets=sheets)
+    path = tmp_path / "flight.rrd"
+    flight.record(RerunRecorder(path))
+    return path
+
+
+def pictured(path, out, **options):
+    """The pixels of a picture, shape (down, right, 3), or a skipped test."""
+    try:
+        picture(path, out, **options)
+    except RecordingError as error:
+        if "there is no Vulkan driver" in str(error):
+            pytest.skip(str(error))
+        raise
+    return np.asarray(Image.open(out).convert("RGB")).astype(int)
+
+
+def like(pixels, colour, within=40):
+    """How many pixels are near a colour."""
+    return int(np.sum(np.abs(pixels - np.array(colour)).max(axis=-1) <= within))
+
+
+def test_the_picture_shows_hazard_plan_and_flight(recording, tmp_path):
+    early = pictured(recording, tmp_path / "early.png", at_s=300.0)
+    late = pictured(recording, tmp_path / "late.png")
+    assert early.shape == late.shape == (900, 1600, 3)
+    chart = slice(60, 660), slice(220, 880)
+    for pixels in (early[chart], late[chart]):
+        red, green, blue = pixels[..., 0], pixels[..., 1], pixels[..., 2]
+        assert np.sum((red > 95) & (green < 70) & (blue < 70)) > 2000  # hazard
+        assert like(pixels, PLAN_COLOUR) > 300
+    assert like(late[chart], FLOWN_COLOUR) > 4 * like(early[chart], FLOWN_COLOUR) > 0
+    assert like(early[chart], PLAN_COLOUR) > 1.3 * like(late[chart], PLAN_COLOUR)
+    assert no_viewer_is_left()
+
+
+def test_a_partial_recording_gives_a_picture_in_the_size_asked_for(recording, workshop, tmp_path):
+    recorder = RerunRecorder(tmp_path / "other.rrd")
+    workshop.fly(workshop.header(LONG_CORNERS, LEG_S), hz=1, until_s=500.0).record(recorder, finish=False)
+    recorder.abandon()
+    assert pictured(recorder.partial_path, tmp_path / "o.png", size=(800, 450)).shape == (450, 800, 3)
+
+
+def no_viewer_is_left():
+    children = psutil.Process().children(recursive=True)
+    return not [child for child in children if "rerun" in child.name()]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="hides the drivers by the Vulkan loader's own variables")
+def test_without_a_vulkan_driver_it_says_what_to_install(recording, tmp_path, monkeypatch):
+    for name in ("VK_DRIVER_FILES", "VK_ICD_FILENAMES"):
+        monkeypatch.setenv(name, str(tmp_path / "none.json"))
+    with pytest.raises(RecordingError, match="apt-get install mesa-vulkan-drivers libvulkan1"):
+        picture(recording, tmp_path / "picture.png")
+    assert not (tmp_path / "picture.png").exists()
+    assert no_viewer_is_left()
+
+
+def test_the_folder_of_the_picture_must_be_there(recording, tmp_path):
+    with pytest.raises(RecordingError, match="there is no folder"):
+        picture(recording, tmp_path / "nowhere" / "picture.png")
+
+
+def test_an_mcap_recording_leads_to_the_rerun_recording_beside_it(recording):
+    assert rerun_file(recording.with_suffix(".mcap")) == recording
+
+
+def test_a_recording_that_is_not_there_is_named(tmp_path):
+    with pytest.raises(RecordingError, match=r"there is no Rerun recording .*lost\.rrd; `galeway fly`"):
+        rerun_file(tmp_path / "lost.rrd")
+    with pytest.raises(RecordingError, match=r"lost\.rrd beside lost\.mcap; `galeway fly`"):
+        rerun_file(tmp_path / "lost.mcap")
+
+
+def test_another_kind_of_file_is_refused(tmp_path):
+    path = tmp_path / "plan.json"
+    path.write_text("{}")
+    with pytest.raises(BadRecordingError, match=r"plan\.json is not a Rerun recording"):
+        rerun_file(path)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="other systems always have a screen")
+def test_without_a_screen_the_viewer_is_not_started(recording, monkeypatch):
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr("sys.platform", "linux")
+    with pytest.raises(RecordingError, match="there is no screen"):
+        replay(recording)
