@@ -29,6 +29,7 @@ format: $(INSTALLED)
 
 bench: $(INSTALLED)
 	$(BIN)/python benchmarks/real_time_factor.py
+	$(BIN)/python benchmarks/planner_speed.py
 
 # The README's picture, from the recording that `make fly` leaves; needs a Vulkan driver (see docs/picture.py).
 picture: $(INSTALLED)

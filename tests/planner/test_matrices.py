@@ -77,7 +77,7 @@ def test_a_goal_without_a_way_says_why_how_near_and_until_when():
     for objective in ("earliest", "score"):
         (found,) = planner.plan(hazards, (0, 0), [(0, 5)], steps_per_stage=4, objective=objective)
         answer = found.to_dict()
-        assert answer["reason"] == "no safe, flyable way leads there within the horizon"
+        assert answer["reason"] == "no safe way leads there within the horizon"
         assert (answer["nearest"], answer["nearest_distance_cells"]) == ([0, 2], 3.0)
         assert answer["nearest_step"] == 5
         assert answer["last_door_stage"] is None
