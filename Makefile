@@ -4,19 +4,15 @@ VENV := .venv
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
 FOR_WORK := $(VENV)/.installed-dev
-CODE := sim planner aircraft recordings
 PYTEST_OPTIONS ?=
 
-.PHONY: fly test test-slow check format bench picture proto clean
+.PHONY: fly test check format bench picture proto clean
 
 fly: $(INSTALLED)
 	$(BIN)/galeway fly ian
 
 test: check
-	$(BIN)/pytest -m "not slow" $(PYTEST_OPTIONS)
-
-test-slow: $(FOR_WORK)
-	$(BIN)/pytest -m slow $(PYTEST_OPTIONS)
+	$(BIN)/pytest $(PYTEST_OPTIONS)
 
 check: $(FOR_WORK)
 	$(BIN)/ruff format --check .
