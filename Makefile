@@ -3,43 +3,45 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
-CODE := sim planner aircraft recordings
+FOR_WORK := $(VENV)/.installed-dev
 PYTEST_OPTIONS ?=
 
-.PHONY: fly test test-slow check format bench picture proto clean
+.PHONY: fly test check format bench picture proto clean
 
 fly: $(INSTALLED)
 	$(BIN)/galeway fly ian
 
 test: check
-	$(BIN)/pytest -m "not slow" $(PYTEST_OPTIONS)
+	$(BIN)/pytest $(PYTEST_OPTIONS)
 
-test-slow: $(INSTALLED)
-	$(BIN)/pytest -m slow $(PYTEST_OPTIONS)
-
-check: $(INSTALLED)
+check: $(FOR_WORK)
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-format: $(INSTALLED)
+format: $(FOR_WORK)
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
-bench: $(INSTALLED)
+bench: $(FOR_WORK)
 	$(BIN)/python benchmarks/real_time_factor.py
+	$(BIN)/python benchmarks/planner_speed.py
 
 # The README's picture, from the recording that `make fly` leaves; needs a Vulkan driver (see docs/picture.py).
-picture: $(INSTALLED)
+picture: $(FOR_WORK)
 	$(BIN)/python docs/picture.py runs/ian/flight.rrd
 
-proto: $(INSTALLED)
+proto: $(FOR_WORK)
 	$(BIN)/python -m grpc_tools.protoc -I. --python_out=. recordings/galeway.proto
 
 $(INSTALLED): pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "galeway needs Python 3.11 or newer; try make PYTHON=python3.11")'
 	$(PYTHON) -m venv $(VENV)
+	$(BIN)/pip install --quiet --disable-pip-version-check --editable .
+	@touch $@
+
+$(FOR_WORK): $(INSTALLED)
 	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[dev]'
 	@touch $@
 

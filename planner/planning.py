@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 
 from planner.errors import PlannerError
 from planner.grid import Grid, geodesic_m
+from planner.ground import Cell, Occupancy
 from planner.hazards import StageClock, clearance_m, flyable_moves, hazard_stages
-from planner.plan import GoalOutcome, Plan, Waypoint
+from planner.plans import GoalOutcome, Plan, Waypoint
+from planner.route import Route
 from planner.score import Weights
-from planner.staged import Blocked, Cell, GoalRoutes, Occupancy, Route, StagedProblem, search
+from planner.staged import Blocked, GoalRoutes, StagedProblem, search
 from planner.windfield import WindField
 
 
@@ -37,7 +39,9 @@ class PlanningRequest:
     """What the staged planner is asked.
 
     `objective`: which arrival the route takes, "earliest" or "score". `corridor_m`: half width of the room
-    kept below the threshold around every move. The airspeeds are the aircraft's envelope.
+    kept below the threshold around every move. The airspeeds are the aircraft's envelope. Only the wind-aware
+    planner uses `cruise_mps`, the true airspeed on its legs (None: in the middle of the envelope), and
+    `wait_min_s`, the shortest wait that can be flown as a loiter.
     """
 
     start: Place
@@ -51,6 +55,8 @@ class PlanningRequest:
     airspeed_max_mps: float
     objective: str = "score"
     weights: Weights = Weights()  # noqa: RUF009 - frozen
+    cruise_mps: float | None = None
+    wait_min_s: float = 120.0
 
 
 def plan_staged(wind: WindField, request: PlanningRequest) -> Plan:
@@ -69,20 +75,7 @@ def plan_staged(wind: WindField, request: PlanningRequest) -> Plan:
     if request.goal not in (goal.name for goal in request.goals):
         raise PlannerError(f"no goal is named {request.goal!r}; there are {_names(request.goals)}")
     grid, clock = wind.grid, request.clock
-    _check_ground_speed(grid, request)
-    hazard = hazard_stages(wind, clock, threshold_mps=request.threshold_mps, corridor_m=request.corridor_m)
-    problem = StagedProblem(
-        hazard,
-        clock,
-        request.weights,
-        Occupancy.STRICT,
-        flyable_moves(
-            wind,
-            clock,
-            airspeed_min_mps=request.airspeed_min_mps,
-            airspeed_max_mps=request.airspeed_max_mps,
-        ),
-    )
+    problem = staged_problem(wind, request)
     found = _search(
         problem,
         request.start.cell(grid, "start"),
@@ -92,7 +85,7 @@ def plan_staged(wind: WindField, request: PlanningRequest) -> Plan:
         goal.name: routes.earliest if request.objective == "earliest" else routes.best
         for goal, routes in zip(request.goals, found, strict=True)
     }
-    clear_m = [clearance_m(grid, stage) for stage in hazard]
+    clear_m = [clearance_m(grid, stage) for stage in problem.hazard]
     outcomes = tuple(
         _outcome(goal, routes, chosen[goal.name], clear_m, clock, grid)
         for goal, routes in zip(request.goals, found, strict=True)
@@ -105,6 +98,30 @@ def plan_staged(wind: WindField, request: PlanningRequest) -> Plan:
         goal=request.goal,
         waypoints=_waypoints(route, grid, clock, request.altitude_m) if route else (),
         goals=outcomes,
+    )
+
+
+def staged_problem(wind: WindField, request: PlanningRequest) -> StagedProblem:
+    """What the staged search is given: hazard with its corridor, strict occupancy, and the moves to be flown.
+
+    Raises:
+        PlannerError: if no wind below the threshold makes the cells flyable in a step.
+    """
+    _check_ground_speed(wind.grid, request)
+    hazard = hazard_stages(
+        wind, request.clock, threshold_mps=request.threshold_mps, corridor_m=request.corridor_m
+    )
+    return StagedProblem(
+        hazard,
+        request.clock,
+        request.weights,
+        Occupancy.STRICT,
+        flyable_moves(
+            wind,
+            request.clock,
+            airspeed_min_mps=request.airspeed_min_mps,
+            airspeed_max_mps=request.airspeed_max_mps,
+        ),
     )
 
 

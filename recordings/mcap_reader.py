@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from aircraft.reference import Reference
 from planner.errors import PlannerError
 from planner.grid import Grid, LocalFrame
-from planner.plan import Plan
+from planner.plans import Plan
 from recordings.errors import BadRecordingError
 from recordings.fixed_layout import FixedLayout
 from recordings.mcap_stream import McapContent, take_apart

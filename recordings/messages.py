@@ -11,7 +11,7 @@ import numpy as np
 
 from aircraft.reference import Reference
 from planner.grid import Grid, LocalFrame
-from planner.plan import Plan
+from planner.plans import Plan
 from recordings.protobuf_types import message_type
 from recordings.recorder import FlightHeader, WeatherSheet
 from recordings.schema import (

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from aircraft.reference import Reference
 from aircraft.state import Command, FlightState
 from planner.grid import Grid
-from planner.plan import Plan
+from planner.plans import Plan
 
 
 class Outcome(StrEnum):

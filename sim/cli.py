@@ -7,12 +7,12 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
 if TYPE_CHECKING:
-    from planner.plan import GoalOutcome, Plan
+    from planner.plans import GoalOutcome, Plan
     from sim.scenario import LoadedScenario
 
 BAD_INPUT = 2
@@ -104,23 +104,109 @@ def fly(out: Path | None, **scenario: Any) -> None:
     sys.exit(0 if passed and flown.tracking.arrived else FAILED)
 
 
+def matrix_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Everything that belongs to `galeway plan --hazards`."""
+    for decorate in (
+        click.option(
+            "--hazards", type=click.Path(path_type=Path), help="Matrices of your own, a NumPy file."
+        ),
+        click.option("--key", help="With --hazards: name of the array in an .npz that holds several."),
+        click.option("--index", type=int, help="With --hazards: which of several sets."),
+        click.option("--start", metavar="R,C", help="With --hazards: row, column from 0."),
+        click.option("--steps-per-stage", type=int, default=30, show_default=True),
+        click.option("--step-s", type=float, default=120.0, show_default=True),
+        click.option("--objective", default="earliest", show_default=True, help="Or score, or survival."),
+        click.option("--occupancy", default="paper", show_default=True, help="Or strict."),
+        click.option("--exact", is_flag=True, help="With score: the true optimum, and the gap to it."),
+        click.option("--alpha", type=float, default=1.0, show_default=True, help="Weight of clearance."),
+        click.option("--beta", type=float, default=1.0, show_default=True, help="Weight of mean clearance."),
+        click.option("--gamma", type=float, default=0.1, show_default=True, help="Weight of length."),
+        click.option("--delta", type=float, default=0.1, show_default=True, help="Weight of time."),
+    ):
+        command = decorate(command)
+    return command
+
+
 @commands.command()
-@scenario_options
+@click.argument("scenario", default="ian")
+@click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Override any value.")
+@click.option("--goal", "goals", multiple=True, help="A goal by name; with --hazards ROW,COLUMN, repeatable.")
+@click.option("--seed", type=int, help="Short for --set seed=N.")
+@click.option("--planner", help="Short for --set planner.kind=KIND.")
 @click.option("--out", type=click.Path(path_type=Path, dir_okay=False), help="Write the plan to this file.")
 @click.option("--json", "as_json", is_flag=True, help="Print the plan as JSON.")
-def plan(out: Path | None, as_json: bool, **scenario: Any) -> None:
-    """Plan SCENARIO without flying it."""
-    loaded = _load(**scenario)
+@click.option(
+    "--export",
+    "exports",
+    type=click.Path(path_type=Path, dir_okay=False),
+    multiple=True,
+    help="Write the route as .geojson, .kml, .gpx, .plan or .waypoints; repeatable.",
+)
+@matrix_options
+def plan(
+    scenario: str,
+    overrides: tuple[str, ...],
+    goals: tuple[str, ...],
+    seed: int | None,
+    planner: str | None,
+    out: Path | None,
+    as_json: bool,
+    exports: tuple[Path, ...],
+    **matrices: Any,
+) -> None:
+    """Plan SCENARIO without flying it, or on hazard matrices of your own with --hazards (prints JSON)."""
+    if matrices["hazards"] is not None:
+        _plan_matrices(goals, **matrices)
+    if len(goals) > 1:
+        raise click.UsageError("give one --goal; the other goals of a scenario are planned along with it")
+    loaded = _load(scenario, overrides, goals[0] if goals else None, seed, planner)
     from sim.preparation import plan_scenario
 
     made = plan_scenario(loaded)
     if out:
         made.save(out)
+    if exports and made.waypoints:
+        from planner.export import export
+
+        for path in exports:
+            export(made, path)
     if as_json:
         click.echo(made.to_json(), nl=False)
     else:
         _print_plan(made)
     sys.exit(0 if made.waypoints else FAILED)
+
+
+def _plan_matrices(
+    goals: tuple[str, ...],
+    *,
+    hazards: Path,
+    key: str | None,
+    index: int | None,
+    start: str | None,
+    **how: Any,
+) -> NoReturn:
+    if start is None or not goals:
+        raise click.UsageError("--hazards needs --start ROW,COLUMN and at least one --goal ROW,COLUMN")
+    from planner.score import Weights
+    from sim.own_matrices import plan_matrices
+
+    how["weights"] = Weights(*(how.pop(name) for name in ("alpha", "beta", "gamma", "delta")))
+    found = plan_matrices(hazards, key, index, start, goals, **how)
+    click.echo(json.dumps(found))
+    sys.exit(0 if all(goal["reachable"] for goal in found) else FAILED)
+
+
+@commands.command()
+@scenario_options
+@click.option("--picture", type=click.Path(path_type=Path, dir_okay=False), help="Draw the routes to a PNG.")
+@click.option("--only", help="Planners to run, separated by commas; all take minutes on a large grid.")
+def compare(picture: Path | None, only: str | None, **scenario: Any) -> None:
+    """Run other planners and ours on SCENARIO's weather, and set their routes side by side."""
+    loaded = _load(**scenario)
+    from sim.comparison import compare_planners
+
+    click.echo(compare_planners(loaded, only.split(",") if only else (), picture))
 
 
 @commands.command()

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from planner.plan import Plan
+from planner.plans import Plan
 from recordings.limits import Verdict, judge, parse_limits
 from recordings.mcap_reader import read
 from recordings.mcap_writer import McapRecorder

@@ -10,9 +10,10 @@ from aircraft.guidance import Guidance
 from aircraft.jsbsim_aircraft import JsbsimAircraft, Turbulence
 from aircraft.reference import PathPoint, Reference
 from planner.hazards import StageClock, hazard_stages
-from planner.plan import Plan
 from planner.planning import Place, PlanningRequest, plan_staged
+from planner.plans import Plan
 from planner.score import Weights
+from planner.windaware import plan_windaware
 from recordings.recorder import FlightHeader, Layer, WeatherSheet
 from sim.closed_loop import FlightSetup
 from sim.errors import ScenarioError
@@ -57,8 +58,14 @@ def plan_scenario(loaded: LoadedScenario) -> Plan:
 
 def make_plan(scenario: Scenario, weather: MissionWeather, aircraft: JsbsimAircraft) -> Plan:
     """Plan on the forecast, within the aircraft's envelope."""
+    plan = plan_windaware if scenario.planner.kind == "windaware" else plan_staged
+    return plan(weather.forecast, planning_request(scenario, aircraft))
+
+
+def planning_request(scenario: Scenario, aircraft: JsbsimAircraft) -> PlanningRequest:
+    """What the planner is asked."""
     table, envelope = scenario.planner, aircraft.envelope
-    request = PlanningRequest(
+    return PlanningRequest(
         start=_place(scenario.mission.start),
         goals=tuple(_place(goal) for goal in scenario.mission.goals),
         goal=scenario.mission.goal,
@@ -69,9 +76,9 @@ def make_plan(scenario: Scenario, weather: MissionWeather, aircraft: JsbsimAircr
         airspeed_min_mps=envelope.airspeed_min_mps + table.airspeed_margin_mps,
         airspeed_max_mps=envelope.airspeed_max_mps - table.airspeed_margin_mps,
         objective=table.objective,
+        cruise_mps=envelope.cruise_mps,
         weights=Weights(table.alpha, table.beta, table.gamma, table.delta, table.clearance_cap_cells),
     )
-    return plan_staged(weather.forecast, request)
 
 
 def _place(table: PlaceTable) -> Place:

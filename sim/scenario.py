@@ -91,11 +91,12 @@ class Hazard(Struct, frozen=True):
 class PlannerTable(Struct, frozen=True):
     """Which planner, which of a goal's arrivals, and the weights of the score (equation 2 of the paper).
 
-    `airspeed_margin_mps` is what the planner leaves of the aircraft's envelope at either end, so that the
-    flight can make up for gusts and corners.
+    `staged` is the paper's; `windaware` flies legs of any course at cruise airspeed, to the earliest arrival
+    (no objective, no weights). `airspeed_margin_mps` is what the planner leaves of the aircraft's envelope at
+    either end, so that the flight can make up for gusts and corners.
     """
 
-    kind: Literal["staged"] = "staged"
+    kind: Literal["staged", "windaware"] = "staged"
     objective: Literal["earliest", "score"] = "score"
     alpha: NotNegative = 1.0
     beta: NotNegative = 1.0

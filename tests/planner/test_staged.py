@@ -10,9 +10,11 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from planner.errors import BadFieldError, OutsideGridError
+from planner.ground import Occupancy
 from planner.hazards import OFFSETS, Move, StageClock, clearance_cells
+from planner.route import Route
 from planner.score import Weights
-from planner.staged import Blocked, Occupancy, Route, StagedProblem, search
+from planner.staged import Blocked, StagedProblem, search
 
 WEIGHTS = Weights(alpha=1.0, beta=2.0, gamma=0.3, delta=0.2, clearance_cap_cells=4.0)
 

@@ -11,7 +11,7 @@ import pytest
 from aircraft.reference import PathPoint, Reference
 from aircraft.state import Command, FlightState
 from planner.grid import Grid
-from planner.plan import GoalOutcome, Plan, Waypoint
+from planner.plans import GoalOutcome, Plan, Waypoint
 from recordings.mcap_reader import read
 from recordings.mcap_writer import McapRecorder
 from recordings.recorder import FlightHeader, GuidanceSample, Layer, Outcome, Recorder, WeatherSheet

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from dataclasses import replace
 from itertools import pairwise
 
@@ -202,7 +203,8 @@ def test_what_has_been_written_can_be_read_while_the_flight_goes_on(flight, path
     deadline = time.monotonic() + 20.0  # another thread writes
     rows = []
     while len(rows) < whole_chunks * ROWS_PER_CHUNK and time.monotonic() < deadline:
-        rows = values(recorder.partial_path, "plots/speed", "Scalars:scalars")
+        with suppress(RuntimeError):  # the reader wants whole frames, and one may be half written
+            rows = values(recorder.partial_path, "plots/speed", "Scalars:scalars")
     assert len(rows) == whole_chunks * ROWS_PER_CHUNK
     recorder.abandon()
 

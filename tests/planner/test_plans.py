@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner.errors import BadPlanError
-from planner.plan import GoalOutcome, Plan, Waypoint
+from planner.plans import GoalOutcome, Plan, Waypoint
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 waypoints = st.builds(Waypoint, finite, finite, finite, finite, st.integers(0, 17))

@@ -1,0 +1,201 @@
+"""The earliest arrival in every safe interval of every cell: a time-dependent sweep through the wind.
+
+Safe-interval search (Phillips & Likhachev, *SIPP: Safe interval path planning for dynamic environments*,
+2011) on a first-in-first-out network. A state is a cell and an interval in which it is safe; whoever reaches
+it first can wait in it for whatever another could do later. States are settled in buckets of time no wider
+than the shortest edge: nothing that leaves within a bucket arrives in it, so all that a bucket holds is final
+when it comes up, without a heap, and can be treated as arrays. Buckets end at stages and at times of the air,
+so that one bucket lies in one stage and one span. Waiting ends only when a stage begins: that is when moves
+open.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.air import Air
+from planner.hazards import StageClock
+from planner.intervals import MARGIN, SafeIntervals
+from planner.moves import Moves
+from planner.windfield import Floats
+from planner.windtriangle import arrival_times, ground_speed
+
+Cell = tuple[int, int]
+Ints = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class Earliest:
+    """Of every state (numbered as the intervals' runs), shape (states,).
+
+    `arrive_s`: since departure, infinite where not reached. `parent`: the state it was reached from, -1 at
+    the start. `leave_s`: when that one was left; later than its arrival after a wait.
+    """
+
+    intervals: SafeIntervals
+    arrive_s: Floats
+    parent: NDArray[np.int32]
+    leave_s: Floats
+
+    def best_state(self, cell: Cell) -> int | None:
+        """The state of a cell that is reached first, None if none is."""
+        runs = self.intervals.run[:, self.intervals.place_of(*cell)]
+        states = np.unique(runs[runs >= 0])
+        if not states.size:
+            return None
+        best = int(states[np.argmin(self.arrive_s[states])])
+        return best if np.isfinite(self.arrive_s[best]) else None
+
+    def states_to(self, state: int) -> list[int]:
+        """The states on the way from the start to a reached one, both included."""
+        way = [state]
+        while (before := int(self.parent[way[-1]])) >= 0:
+            way.append(before)
+        return way[::-1]
+
+
+@dataclass(frozen=True, eq=False)
+class TimedProblem:
+    """What to sweep through.
+
+    `fastest_mps`: a ground speed that no edge exceeds; it sets the width of the buckets. `guard_s`: by how
+    much a move has to end before its cells become hazardous.
+    """
+
+    intervals: SafeIntervals
+    clock: StageClock
+    air: Air
+    moves: Moves
+    airspeed_mps: float
+    fastest_mps: float
+    guard_s: float = 0.0
+
+
+def sweep(problem: TimedProblem, start: Cell, goals: Sequence[Cell] | None = None) -> Earliest:
+    """Earliest arrivals from a cell left at time 0 or later; with goals, until all of them are settled.
+
+    The start has to be safe in stage 0, and the wind in safe cells weaker than the airspeed.
+    """
+    intervals = problem.intervals
+    front = _Front(problem)
+    first = int(intervals.run[0, intervals.place_of(*start)])
+    front.arrive_s[first] = 0.0
+    open_states = np.array([first], dtype=np.intp)
+    wanted = None if goals is None else np.array([intervals.place_of(*goal) for goal in goals], dtype=np.intp)
+    entered = -1
+    for stage, span, end_s in _buckets(problem):
+        if stage != entered:
+            opened = front.enter(stage)
+            entered = stage
+            if stage:
+                settled = front.waiting(stage, opened)
+                open_states = np.concatenate([open_states, front.relax(*settled, span)])
+        now = front.arrive_s[open_states] < end_s
+        states = open_states[now]
+        open_states = open_states[~now]
+        if states.size:
+            found = front.immediate(states, end_s)
+            open_states = np.concatenate([open_states, front.relax(*found, span)])
+        if wanted is not None:
+            wanted = wanted[~front.settled(wanted, end_s)]
+            if not wanted.size:
+                break
+    return Earliest(intervals, front.arrive_s, front.parent, front.leave_s)
+
+
+def _buckets(problem: TimedProblem) -> Iterator[tuple[int, int, float]]:
+    """Stage, span of the air and end [s] of every bucket of the horizon, in order."""
+    widest_s = float(problem.moves.length_m.min()) / problem.fastest_mps * (1.0 - 1e-9)
+    time_s = problem.air.time_s
+    for span, (low_s, high_s) in enumerate(zip(time_s[:-1].tolist(), time_s[1:].tolist(), strict=True)):
+        count = int(np.ceil((high_s - low_s) / widest_s))
+        edges = np.linspace(low_s, high_s, count + 1).tolist()
+        stage = problem.clock.stage_at(0.5 * (low_s + high_s))
+        for end_s in edges[1:]:
+            yield stage, span, end_s
+
+
+class _Front:
+    """The labels of the states, and how they spread."""
+
+    def __init__(self, problem: TimedProblem) -> None:
+        self.problem = problem
+        intervals, moves = problem.intervals, problem.moves
+        self.arrive_s = np.full(intervals.place.size, np.inf)
+        self.leave_s = np.full(intervals.place.size, np.nan)
+        self.parent = np.full(intervals.place.size, -1, dtype=np.int32)
+        self.shift = np.array([rows * intervals.width + columns for rows, columns in moves.offsets])
+        frame = ((0, 0), (MARGIN, MARGIN))
+        self.length_m = np.pad(moves.length_m, frame, mode="edge")
+        self.half_turn = np.pad(np.complex64(0.5) * moves.course.conj(), frame, mode="edge")
+        self.stage = 0
+        self.joint = np.zeros((len(moves.offsets), intervals.run.shape[1]), dtype=np.int16)
+        self.sheets: dict[int, NDArray[np.complex64]] = {}
+
+    def enter(self, stage: int) -> NDArray[np.bool_]:
+        """Go on to a stage; the moves [move, place] that it opens."""
+        before = self.joint
+        self.stage = stage
+        self.joint = self.problem.intervals.joint_end(stage, self.problem.moves.swept)
+        opened: NDArray[np.bool_] = (self.joint > 0) & (before == 0)
+        return opened
+
+    def waiting(self, stage: int, opened: NDArray[np.bool_]) -> tuple[Ints, Ints, Floats]:
+        """States that have waited for a move to open (states, moves, departures)."""
+        moves, places = np.nonzero(opened)
+        states = self.problem.intervals.run[stage][places]
+        begin_s = stage * self.problem.clock.stage_s
+        waited = self.arrive_s[states] < begin_s
+        states = states[waited].astype(np.intp)
+        return states, moves[waited], np.full(states.shape, begin_s)
+
+    def immediate(self, states: Ints, end_s: float) -> tuple[Ints, Ints, Floats]:
+        """Moves of states at once, without those to states that are settled."""
+        intervals = self.problem.intervals
+        places = intervals.place[states]
+        targets = intervals.run[self.stage][places + self.shift[:, np.newaxis]]
+        moves, which = np.nonzero((self.joint[:, places] > 0) & (self.arrive_s[targets] >= end_s))
+        states = states[which]
+        return states, moves, self.arrive_s[states]
+
+    def relax(self, states: Ints, moves: Ints, depart_s: Floats, span: int) -> Ints:
+        """Make moves; the states that were reached for the first time come back."""
+        problem, intervals = self.problem, self.problem.intervals
+        source = intervals.place[states]
+        target = source + self.shift[moves]
+        row = source // intervals.width
+        half_turn = self.half_turn[moves, row]
+
+        def speed_at(place: int, which: Ints) -> Floats:
+            sheet = self._sheet(place)
+            wind = (sheet[source[which]] + sheet[target[which]]) * half_turn[which]
+            speed_mps: Floats = ground_speed(wind.real, wind.imag, problem.airspeed_mps)
+            return speed_mps
+
+        arrive_s = arrival_times(depart_s, self.length_m[moves, row], problem.air.time_s, span, speed_at)
+        state = intervals.run[self.stage][target]
+        before_s = self.arrive_s[state]
+        until_s = self.joint[moves, source] * problem.clock.stage_s
+        better = (arrive_s + problem.guard_s < until_s) & (arrive_s < before_s)
+        state, arrive_s = state[better], arrive_s[better]
+        np.minimum.at(self.arrive_s, state, arrive_s)
+        won = arrive_s == self.arrive_s[state]
+        self.parent[state[won]] = states[better][won]
+        self.leave_s[state[won]] = depart_s[better][won]
+        return np.unique(state[won & np.isinf(before_s[better])]).astype(np.intp)
+
+    def settled(self, places: Ints, end_s: float) -> NDArray[np.bool_]:
+        """Whether places have been reached before a bucket's end."""
+        runs = self.problem.intervals.run[:, places]
+        return np.asarray(((self.arrive_s[runs] < end_s) & (runs >= 0)).any(axis=0))
+
+    def _sheet(self, place: int) -> NDArray[np.complex64]:
+        """The wind at one time, framed and flat like the intervals' places."""
+        if place not in self.sheets:
+            self.sheets.pop(place - 3, None)
+            self.sheets[place] = np.pad(self.problem.air.wind_mps[place], MARGIN, mode="edge").ravel()
+        return self.sheets[place]

@@ -1,0 +1,91 @@
+"""What is found for one goal on a user's own matrices."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from planner.dead_end import DeadEnd
+from planner.ground import Cell
+from planner.route import Route
+from planner.staged import StageEnd
+
+
+@dataclass(frozen=True, slots=True)
+class GoalPlan:
+    """What was found for one goal.
+
+    `route` is None where `reason` says why. `stages`: the best route so far at the end of each stage, with
+    the objective "score". `gap`: how far the score may lie from the optimum (exact). `survival`,
+    `members_survived` of `members`, `abstained`: of objective "survival".
+    """
+
+    goal: Cell
+    step_s: float
+    route: Route | None
+    reason: str = ""
+    earliest_step: int | None = None
+    dead_end: DeadEnd | None = None
+    stages: tuple[StageEnd, ...] = ()
+    gap: float | None = None
+    survival: float | None = None
+    members_survived: int | None = None
+    members: int | None = None
+    abstained: bool = False
+
+    @property
+    def reachable(self) -> bool:
+        """Whether there is a route."""
+        return self.route is not None
+
+    def to_dict(self) -> dict[str, Any]:
+        """The plan as plain numbers and lists, for JSON; what does not apply is left out."""
+        common: dict[str, Any] = {"goal": list(self.goal), "reachable": self.reachable}
+        if self.route is None:
+            common["reason"] = self.reason
+            if self.dead_end is not None:
+                end = self.dead_end
+                common |= {
+                    "nearest": None if end.nearest is None else list(end.nearest),
+                    "nearest_distance_cells": end.distance_cells,
+                    "nearest_step": end.nearest_step,
+                    "last_door_stage": end.last_door_stage,
+                }
+            return common
+        route = self.route
+        common |= {
+            "arrival_step": route.arrival_step,
+            "arrival_min": route.arrival_step * self.step_s / 60.0,
+            "earliest_step": self.earliest_step,
+            "waits": route.waits,
+            "moves": route.moves,
+            "score": route.score,
+            "terms": {
+                "clearance": route.terms.clearance,
+                "mean_clearance": route.terms.mean_clearance,
+                "length": route.terms.length,
+                "time": route.terms.time,
+            },
+            "min_clearance_cells": min(route.clearance_cells),
+            "route": [list(place) for place in route.steps],
+        }
+        if self.stages:
+            common["stages"] = [
+                {
+                    "stage": end.stage,
+                    "reachable": end.best is not None,
+                    "arrival_step": end.best.arrival_step if end.best else None,
+                    "score": end.best.score if end.best else None,
+                }
+                for end in self.stages
+            ]
+        optional = {
+            "gap": self.gap,
+            "survival": self.survival,
+            "members_survived": self.members_survived,
+            "members": self.members,
+        }
+        common |= {name: value for name, value in optional.items() if value is not None}
+        if self.survival is not None:
+            common["abstained"] = self.abstained
+        return common

@@ -1,0 +1,184 @@
+"""Straight legs in any direction: when they have been flown, and whether they keep clear of hazard.
+
+A leg is cut where it crosses the lines through the cell centres, so that each piece lies in one square
+between four of them. Wind is bilinear there, so anywhere on the piece it is a blend of the four winds; speed
+is a convex function of wind, so it is no higher than the highest of the four: a piece is below the threshold
+if the four cells are safe in every stage from its entry to its exit. So is the corridor around it: beyond
+the square's side wind is a blend of the winds beyond its two ends, and those lie in the rooms that
+`hazards.hazard_stages` has kept below the threshold around the cells. (On a leg along a row or a column only
+the cells on it have weight.)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.air import Air, Chart
+from planner.intervals import MARGIN, SafeIntervals
+from planner.windfield import Floats
+from planner.windtriangle import ground_speed
+
+Ints = NDArray[np.intp]
+
+_ENOUGH_S = 1e-3  # times that agree to this between two rounds are final
+_ROUNDS_MAX = 30
+
+
+@dataclass(frozen=True, eq=False)
+class Country:
+    """All that legs are flown through: chart, air, safe intervals and the length of a stage."""
+
+    chart: Chart
+    air: Air
+    intervals: SafeIntervals
+    stage_s: float
+
+
+@dataclass(frozen=True, eq=False)
+class Legs:
+    """Legs from one cell to several, cut into pieces; the last pieces of short ones have no length.
+
+    Every second cut, beginning with the second, is in the middle between its neighbours: it serves the
+    integration. `share`: of the plane length at which the pieces meet, shape [leg, cut]. `row`, `column`:
+    fractional, of the cuts, [leg, cut]. `true_m`: true metres for each unit of share, [leg, cut]. `course`:
+    cos + i sin, [leg].
+    """
+
+    share: Floats
+    row: Floats
+    column: Floats
+    true_m: Floats
+    course: NDArray[np.complex128]
+
+    @property
+    def length_m(self) -> Floats:
+        """True length of each piece, [leg, piece]."""
+        return 0.5 * (self.true_m[:, 1:] + self.true_m[:, :-1]) * np.diff(self.share)
+
+
+def lay_legs(chart: Chart, start: tuple[int, int], rows: Ints, columns: Ints) -> Legs:
+    """Lay legs from the centre of a cell to those of others, shape (legs,), each another than the first."""
+    row, column = start
+    up, right = rows - row, columns - column
+    crossings = np.sort(
+        np.concatenate(
+            [
+                np.broadcast_to([0.0, 1.0], (rows.size, 2)),
+                _shares(chart.north_m, row, rows),
+                _shares(chart.east_m, column, columns),
+            ],
+            axis=1,
+        ),
+        axis=1,
+    )
+    share = np.empty((rows.size, 2 * crossings.shape[1] - 1))
+    share[:, ::2] = crossings
+    share[:, 1::2] = 0.5 * (crossings[:, 1:] + crossings[:, :-1])
+    vector = chart.north_m[rows] - chart.north_m[row] + 1j * (chart.east_m[columns] - chart.east_m[column])
+    north_m = chart.north_m[row] + share * vector.real[:, np.newaxis]
+    row_at = np.interp(north_m, chart.north_m, np.arange(chart.north_m.size))
+    row_at[up == 0] = row  # exactly on the line, in spite of rounding
+    column_at = np.where(right[:, np.newaxis] == 0, column, column + share * right[:, np.newaxis])
+    scale = np.interp(row_at, np.arange(chart.scale.size), chart.scale)
+    plane_m = np.abs(vector)
+    return Legs(share, row_at, column_at, plane_m[:, np.newaxis] / scale, vector / plane_m)
+
+
+def _shares(line_m: Floats, first: int, last: Ints) -> Floats:
+    """Where each leg crosses the lines between its ends: shares [leg, crossing], filled up with 1."""
+    apart = last - first
+    steps = np.arange(1, int(np.abs(apart).max(initial=1)))
+    crossed = np.where(
+        steps < np.abs(apart)[:, np.newaxis], first + np.sign(apart)[:, np.newaxis] * steps, -1
+    )
+    whole_m = np.where(apart == 0, 1.0, line_m[last] - line_m[first])
+    return np.where(crossed < 0, 1.0, (line_m[crossed] - line_m[first]) / whole_m[:, np.newaxis])
+
+
+def fly(country: Country, legs: Legs, depart_s: float, airspeed_mps: float) -> Floats:
+    """When the cuts of legs are passed at one true airspeed [s since departure], shape [leg, cut].
+
+    Time is the integral of length over ground speed (by Simpson's rule); the wind in it is that at the time
+    of passage, found by repeated substitution (the wind changes little in the seconds by which a round is
+    off). Infinite where the wind does not let the aircraft go on, or the rounds do not end.
+    """
+    time_s = depart_s + legs.share * legs.true_m / airspeed_mps
+    apart = (legs.share[:, 2::2] - legs.share[:, :-2:2]) / 24.0
+    real = apart > 0.0
+    took_s = np.empty((len(time_s), time_s.shape[1] - 1))
+    course = legs.course.conj()[:, np.newaxis]
+    blend = _Blend(country.air, legs.row, legs.column)
+    for _ in range(_ROUNDS_MAX):
+        wind = blend.wind(time_s) * course
+        with np.errstate(invalid="ignore", divide="ignore"):
+            speed_mps = ground_speed(wind.real, wind.imag, airspeed_mps)
+            pace = np.where(speed_mps > 0.0, legs.true_m / speed_mps, np.nan)
+            first, middle, last = pace[:, :-2:2], pace[:, 1::2], pace[:, 2::2]
+            took_s[:, ::2] = np.where(real, apart * (5.0 * first + 8.0 * middle - last), 0.0)
+            took_s[:, 1::2] = np.where(real, apart * (5.0 * last + 8.0 * middle - first), 0.0)
+        np.maximum(took_s, 0.0, out=took_s)  # where wind is so rough that the rule fails, it is hazard anyway
+        took_s[np.isnan(took_s)] = np.inf
+        before_s, time_s = time_s, time_s.copy()
+        time_s[:, 1:] = depart_s + np.cumsum(took_s, axis=1)
+        known = np.isfinite(time_s)
+        settled = np.where(known, np.abs(np.where(known, time_s, 0.0) - before_s), 0.0) < _ENOUGH_S
+        if settled.all():
+            break
+    time_s[~settled] = np.inf
+    return time_s
+
+
+class _Blend:
+    """The wind at fixed places as a function of time."""
+
+    def __init__(self, air: Air, row: Floats, column: Floats) -> None:
+        rows, columns = air.wind_mps.shape[1:]
+        low_row = np.minimum(row.astype(np.intp), max(rows - 2, 0))
+        low_column = np.minimum(column.astype(np.intp), max(columns - 2, 0))
+        up, right = row - low_row, column - low_column
+        high_row, high_column = np.minimum(low_row + 1, rows - 1), np.minimum(low_column + 1, columns - 1)
+        self.corners = [
+            (low_row * columns + low_column, (1.0 - up) * (1.0 - right)),
+            (low_row * columns + high_column, (1.0 - up) * right),
+            (high_row * columns + low_column, up * (1.0 - right)),
+            (high_row * columns + high_column, up * right),
+        ]
+        self.time_s = air.time_s
+        self.sheets = air.wind_mps.reshape(-1)
+        self.size = rows * columns
+
+    def wind(self, time_s: Floats) -> NDArray[np.complex128]:
+        """North + i east at a time for each place; before the first and behind the last time, as there."""
+        place = np.interp(time_s, self.time_s, np.arange(self.time_s.size))
+        first = np.minimum(place.astype(np.intp), self.time_s.size - 2)
+        later = place - first
+        total = np.zeros(time_s.shape, dtype=np.complex128)
+        for corner, weight in self.corners:
+            at = first * self.size + corner
+            total += weight * ((1.0 - later) * self.sheets[at] + later * self.sheets[at + self.size])
+        return total
+
+
+def are_safe(country: Country, legs: Legs, time_s: Floats) -> NDArray[np.bool_]:
+    """Whether legs flown at such times keep clear of hazard, shape (legs,)."""
+    intervals = country.intervals
+    stages = len(intervals.run)
+    known = np.isfinite(time_s)
+    stage = np.where(known, np.floor(np.where(known, time_s, 0.0) / country.stage_s), stages).astype(np.intp)
+    entered, left = np.minimum(stage[:, :-1], stages - 1), stage[:, 1:]
+    middle_row, middle_column = (0.5 * (cuts[:, 1:] + cuts[:, :-1]) for cuts in (legs.row, legs.column))
+    low_row, low_column = np.floor(middle_row).astype(np.intp), np.floor(middle_column).astype(np.intp)
+    high_row, high_column = np.ceil(middle_row).astype(np.intp), np.ceil(middle_column).astype(np.intp)
+    clear = np.ones(entered.shape, dtype=np.bool_)
+    for row, column in (
+        (low_row, low_column),
+        (low_row, high_column),
+        (high_row, low_column),
+        (high_row, high_column),
+    ):
+        place = (row + MARGIN) * intervals.width + column + MARGIN
+        clear &= intervals.run_end[entered, place] > left
+    return np.asarray((clear | (np.diff(legs.share) <= 0.0)).all(axis=1))
