@@ -106,8 +106,10 @@ def test_each_departure_has_the_survival_of_its_own_search(small_world):
         slots = range(ground.clock.step_count)
         goals = [goal, start]
         table = survival_by_departure(p, ground, start, goals, slots)
-        reached += int((table > 0.0).sum())
-        for slot, row in zip(slots, table, strict=True):
+        reached += int((table.survival > 0.0).sum())
+        for slot, row, arrivals in zip(slots, table.survival, table.arrival_step, strict=True):
             found = search_survival(p, ground, start, goals, first_step=slot)
             assert row == pytest.approx([entry.survival for entry in found], abs=1e-9)
+            steps = [entry.arrival_step for entry in found]
+            assert arrivals.tolist() == [-1 if step is None else step for step in steps]
     assert reached > 100
