@@ -13,7 +13,7 @@ from planner.goal_plan import GoalPlan
 from planner.ground import Cell, Ground
 from planner.matrix_input import MatrixProblem
 from planner.route import evaluate
-from planner.staged import Blocked, StageEnd, search, why_blocked
+from planner.staged import Blocked, ends_of_earliest, search, why_blocked
 from planner.survival import search_survival, survival_of
 
 Objective = Literal["earliest", "score", "survival"]
@@ -80,7 +80,6 @@ def _by_arrival(asked: MatrixProblem, goals: Sequence[Cell], depart_step: int) -
     found = {goal: arrivals.route(goal) for goal in goals}
     missed = [goal for goal, cells in found.items() if cells is None]
     explained = dict(zip(missed, _without_route(problem.ground, arrivals, asked.start, missed), strict=True))
-    stages = range(clock.stage_of_step(depart_step), clock.stage_count)
     plans = []
     for goal in goals:
         cells = found[goal]
@@ -88,11 +87,8 @@ def _by_arrival(asked: MatrixProblem, goals: Sequence[Cell], depart_step: int) -
             plans.append(explained[goal])
             continue
         route = evaluate(cells, clearance, clock, problem.weights, depart_step)
-        arrival = route.arrival_step
-        ends = tuple(
-            StageEnd(stage, route if clock.stage_of_step(arrival) <= stage else None) for stage in stages
-        )
-        plans.append(GoalPlan(goal, clock.step_s, route, earliest_step=arrival, stages=ends))
+        ends = ends_of_earliest(route, clock)
+        plans.append(GoalPlan(goal, clock.step_s, route, earliest_step=route.arrival_step, stages=ends))
     return plans
 
 
@@ -116,25 +112,18 @@ def _by_survival(asked: MatrixProblem, goals: Sequence[Cell], depart_step: int) 
     if missed:
         arrivals = sweep_arrivals(ground, asked.start, first_step=depart_step)
         explained = dict(zip(missed, _without_route(ground, arrivals, asked.start, missed), strict=True))
-    begins = clock.stage_of_step(depart_step)
     plans = []
     for safest in found:
         if not safest.cells:
             plans.append(explained[safest.goal])
             continue
-        known = {
-            cells: evaluate(cells, clearance, clock, problem.weights, depart_step)
-            for cells in {*safest.by_stage, safest.cells}
-            if cells
-        }
+        route, ends = safest.evaluated(clearance, clock, problem.weights)
         plans.append(
             GoalPlan(
                 safest.goal,
                 clock.step_s,
-                known[safest.cells],
-                stages=tuple(
-                    StageEnd(begins + at, known.get(cells)) for at, cells in enumerate(safest.by_stage)
-                ),
+                route,
+                stages=ends,
                 survival=safest.survival,
                 survival_at_most=survival_of(safest.cells, depart_step, probability, clock).at_most,
                 members_survived=safest.members_survived,

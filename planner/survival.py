@@ -19,6 +19,9 @@ from planner.departures import Departures
 from planner.errors import BadFieldError
 from planner.ground import Cell, Ground
 from planner.hazards import Bools, StageClock
+from planner.route import Route, evaluate
+from planner.score import Weights
+from planner.staged import StageEnd
 from planner.sweep import Worth, sweep
 from planner.trace import routes
 
@@ -111,6 +114,19 @@ class SafestRoute:
     members: int | None
     abstained: bool
     by_stage: tuple[tuple[Cell, ...], ...] = ()
+
+    def evaluated(
+        self, clearance: Floats, clock: StageClock, weights: Weights
+    ) -> tuple[Route, tuple[StageEnd, ...]]:
+        """The route, which there must be, and the safest ones so far, with their clearance and score."""
+        known = {
+            cells: evaluate(cells, clearance, clock, weights, self.first_step)
+            for cells in {self.cells, *self.by_stage}
+            if cells
+        }
+        begins = clock.stage_of_step(self.first_step)
+        ends = (StageEnd(begins + at, known.get(cells)) for at, cells in enumerate(self.by_stage))
+        return known[self.cells], tuple(ends)
 
     @property
     def arrival_step(self) -> int | None:

@@ -19,7 +19,7 @@ from sim.closed_loop import FlightSetup
 from sim.errors import ScenarioError
 from sim.provenance import versions
 from sim.scenario import LoadedScenario, PlaceTable, Scenario
-from sim.weather.source import MissionWeather, bring_weather
+from sim.weather.source import MissionWeather
 
 
 def make_aircraft(scenario: Scenario) -> JsbsimAircraft:
@@ -48,12 +48,6 @@ def make_clock(scenario: Scenario) -> StageClock:
     """The planner's clock."""
     stages = scenario.stages
     return StageClock(scenario.mission.departure_s, stages.count, stages.steps, stages.step_s)
-
-
-def plan_scenario(loaded: LoadedScenario) -> Plan:
-    """Bring the weather and plan, without a flight."""
-    aircraft = make_aircraft(loaded.scenario)
-    return make_plan(loaded.scenario, bring_weather(loaded), aircraft)
 
 
 def make_plan(scenario: Scenario, weather: MissionWeather, aircraft: JsbsimAircraft) -> Plan:
