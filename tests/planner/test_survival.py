@@ -8,11 +8,14 @@ import pytest
 from planner.errors import BadFieldError
 from planner.ground import Ground
 from planner.hazards import StageClock
+from planner.score import Weights
 from planner.survival import (
+    Survival,
     probability_from_forecast,
     probability_from_members,
     search_survival,
     survival_by_departure,
+    survival_of,
 )
 
 
@@ -58,6 +61,37 @@ def test_of_equally_safe_arrivals_the_earliest_with_fewest_moves():
     ground = Ground(np.zeros((1, 3, 5), dtype=bool), StageClock(0.0, 1, 20))
     (found,) = search_survival(np.zeros((1, 3, 5)), ground, (0, 0), [(2, 4)])
     assert (found.arrival_step, found.survival) == (6, 1.0)
+
+
+def test_a_route_survives_between_its_product_and_its_worst_step():
+    p = np.zeros((2, 1, 3))
+    p[0, 0, 1], p[1, 0, 1], p[1, 0, 2] = 0.2, 0.5, 0.1
+    clock = StageClock(0.0, 2, 2)
+    chance = survival_of([(0, 1), (0, 1), (0, 2)], 1, p, clock)
+    assert chance == Survival(pytest.approx(0.8 * 0.5 * 0.9), pytest.approx(0.5))
+
+
+def test_the_safest_so_far_grows_from_stage_to_stage(small_world):
+    improved = 0
+    for seed in range(40):
+        ground, start, goal = small_world(seed, steps=9)
+        p = np.random.default_rng(seed).random(ground.hazard.shape) * 0.5
+        (found,) = search_survival(p, ground, start, [goal], by_stage=True)
+        if not found.cells:
+            assert found.by_stage == ()
+            continue
+        assert len(found.by_stage) == ground.clock.stage_count
+        assert found.by_stage[-1] == found.cells
+        chances = []
+        for stage, cells in enumerate(found.by_stage):
+            assert len(cells) <= (stage + 1) * ground.clock.steps_per_stage
+            chances.append(survival_of(cells, 0, p, ground.clock).at_least if cells else 0.0)
+        assert chances == sorted(chances)
+        improved += len(set(chances)) > 1
+        route, ends = found.evaluated(p, ground.clock, Weights())
+        assert route.cells == found.cells
+        assert [end.best.cells if end.best else () for end in ends] == list(found.by_stage)
+    assert improved > 3
 
 
 def test_blur_spreads_and_keeps_probabilities():
