@@ -10,6 +10,7 @@ from planner.dead_end import DeadEnd
 from planner.ground import Cell
 from planner.route import Route
 from planner.staged import StageEnd
+from planner.survival import Survival
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,9 +18,8 @@ class GoalPlan:
     """What was found for one goal.
 
     `route` is None where `reason` says why. `stages`: the best route so far at the end of each stage, by the
-    plan's objective. `gap`: how far the score may lie from the optimum (exact). `survival`, at most
-    `survival_at_most` (see planner.survival.Survival), `members_survived` of `members` and `abstained`: where
-    a probability of hazard is known.
+    plan's objective. `gap`: how far the score may lie from the optimum (exact). `chance` to survive and
+    `abstained`: where a probability of hazard is known.
     """
 
     goal: Cell
@@ -30,10 +30,7 @@ class GoalPlan:
     dead_end: DeadEnd | None = None
     stages: tuple[StageEnd, ...] = ()
     gap: float | None = None
-    survival: float | None = None
-    survival_at_most: float | None = None
-    members_survived: int | None = None
-    members: int | None = None
+    chance: Survival | None = None
     abstained: bool = False
 
     @property
@@ -77,15 +74,13 @@ class GoalPlan:
         }
         if self.stages:
             common["stages"] = list(self._stages())
-        optional = {
-            "gap": self.gap,
-            "survival": self.survival,
-            "survival_at_most": self.survival_at_most,
-            "members_survived": self.members_survived,
-            "members": self.members,
-        }
-        common |= {name: value for name, value in optional.items() if value is not None}
-        if self.survival is not None:
+        if self.gap is not None:
+            common["gap"] = self.gap
+        if self.chance is not None:
+            common |= {"survival": self.chance.at_least, "survival_at_most": self.chance.at_most}
+            if self.chance.members is not None:
+                common["members_survived"] = self.chance.members_survived
+                common["members"] = self.chance.members
             common["abstained"] = self.abstained
         return common
 

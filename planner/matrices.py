@@ -35,6 +35,7 @@ def plan(
     occupancy: Occupancy | str = Occupancy.PAPER,
     exact: bool = False,
     depart_step: int = 0,
+    members: ArrayLike | None = None,
     probability: ArrayLike | None = None,
     blur_cells: float = BLUR_CELLS,
     abstain_below: float = 0.0,
@@ -53,9 +54,11 @@ def plan(
         occupancy: "paper" or "strict"; see Occupancy.
         exact: with "score": the true optimum and its gap instead of the one-label value.
         depart_step: the step of departure.
-        probability: the chance of hazard [stage, row, column]; with "survival" it is made from `hazards` if
-            None, with another objective it is what the survival of the routes is reported from.
-        blur_cells: with "survival": blur of the share of members, in cells.
+        members: an ensemble [member, stage, row, column] beside `hazards`: the routes of any objective are
+            counted in it, and with "survival" planned on it.
+        probability: the chance of hazard [stage, row, column]; made from the ensemble if None. It is what
+            survival is planned by, and with any objective reported from.
+        blur_cells: blur of the share of members, in cells.
         abstain_below: the least chance to survive.
 
     Returns:
@@ -77,6 +80,7 @@ def plan(
         step_s=step_s,
         weights=weights,
         occupancy=occupancy,
+        members=members,
         probability=probability,
         blur_cells=blur_cells,
         abstain_below=abstain_below,
@@ -108,6 +112,7 @@ def plan_departures(
     step_s: float = 120.0,
     weights: Weights | None = None,
     occupancy: Occupancy | str = Occupancy.PAPER,
+    members: ArrayLike | None = None,
     probability: ArrayLike | None = None,
     blur_cells: float = BLUR_CELLS,
     abstain_below: float = 0.0,
@@ -126,8 +131,9 @@ def plan_departures(
         step_s: length of a step [s].
         weights: of equation (2), to score the routes.
         occupancy: "paper" or "strict".
+        members: an ensemble beside `hazards`.
         probability: the chance of hazard [stage, row, column].
-        blur_cells: with "survival": blur of the share of members, in cells.
+        blur_cells: blur of the share of members, in cells.
         abstain_below: the least chance to survive.
 
     Raises:
@@ -144,6 +150,7 @@ def plan_departures(
         step_s=step_s,
         weights=weights,
         occupancy=occupancy,
+        members=members,
         probability=probability,
         blur_cells=blur_cells,
         abstain_below=abstain_below,

@@ -52,6 +52,7 @@ class MatrixProblem:
         step_s: float,
         weights: Weights | None,
         occupancy: Occupancy | str,
+        members: ArrayLike | None = None,
         probability: ArrayLike | None = None,
         blur_cells: float = BLUR_CELLS,
         abstain_below: float = 0.0,
@@ -61,10 +62,18 @@ class MatrixProblem:
         Raises:
             PlannerError: for input that makes no sense; the message says what and what to give instead.
         """
-        members = _members(hazards, survival=survival)
+        matrices = _matrices(hazards, ensemble=survival and members is None)
+        ensemble = matrices if len(matrices) > 1 else None
+        if members is not None:
+            ensemble = _matrices(members, ensemble=True)
+            if ensemble.shape[1:] != matrices.shape[1:]:
+                raise BadFieldError(
+                    f"members of shape {ensemble.shape} do not fit hazard matrices of {matrices.shape[1:]}; "
+                    "give [member, stage, row, column]"
+                )
         problem = StagedProblem(
-            np.logical_or.reduce(members),
-            _clock(members.shape[1], steps_per_stage, step_s),
+            np.logical_or.reduce(matrices),
+            _clock(matrices.shape[1], steps_per_stage, step_s),
             weights or Weights(),
             _occupancy(occupancy),
         )
@@ -74,15 +83,15 @@ class MatrixProblem:
             raise PlannerError("no goal is given; name at least one (row, column)")
         problem.ground.check_departures(begin, ends, ())
         check_level(abstain_below)
-        chance = _probability(probability, members if survival else None, blur_cells)
+        source = matrices if ensemble is None and survival else ensemble
+        chance = _probability(probability, source, blur_cells)
         if chance is None and abstain_below > 0.0:
             raise PlannerError(
                 f"abstain below {abstain_below} asks for a chance to survive; "
-                "choose the objective 'survival', or give a probability of hazard"
+                "choose the objective 'survival', or give members or a probability of hazard"
             )
         if chance is not None:
             without_certain_hazard(problem.ground, chance)  # raises where it makes no sense
-        ensemble = members if len(members) > 1 else None
         return cls(problem, begin, ends, ensemble, chance, abstain_below, survival)
 
     @property
@@ -99,8 +108,8 @@ class MatrixProblem:
         return step
 
 
-def _members(hazards: ArrayLike, *, survival: bool) -> Bools:
-    """The matrices as [member, stage, row, column]."""
+def _matrices(hazards: ArrayLike, *, ensemble: bool) -> Bools:
+    """The matrices as [member, stage, row, column], of which there is one unless they may be an ensemble."""
     try:
         array = np.asarray(hazards)
         bad = array.dtype.kind not in "biuf"
@@ -108,8 +117,8 @@ def _members(hazards: ArrayLike, *, survival: bool) -> Bools:
         raise BadFieldError("the hazard matrices disagree in shape; give one shape for all stages") from None
     if bad:
         raise BadFieldError(f"hazard matrices of type {array.dtype}; give numbers or booleans")
-    if array.ndim not in ((3, 4) if survival else (3,)):
-        other = "or [member, stage, row, column]" if survival else "or pick one by its index"
+    if array.ndim not in ((3, 4) if ensemble else (3,)):
+        other = "or [member, stage, row, column]" if ensemble else "or pick one by its index"
         raise BadFieldError(f"hazard matrices of shape {array.shape}; give [stage, row, column], {other}")
     if not array.size:
         raise BadFieldError(f"hazard matrices of shape {array.shape} are empty; give a stage with a cell")

@@ -124,10 +124,7 @@ def _by_survival(asked: MatrixProblem, goals: Sequence[Cell], depart_step: int) 
                 clock.step_s,
                 route,
                 stages=ends,
-                survival=safest.survival,
-                survival_at_most=survival_of(safest.cells, depart_step, probability, clock).at_most,
-                members_survived=safest.members_survived,
-                members=safest.members,
+                chance=safest.chance,
                 abstained=safest.abstained,
             )
         )
@@ -138,14 +135,9 @@ def _with_survival(plan: GoalPlan, asked: MatrixProblem) -> GoalPlan:
     """The plan with the chance that its route survives."""
     if plan.route is None or asked.probability is None:
         return plan
-    route = plan.route
-    chance = survival_of(route.cells, route.first_step, asked.probability, asked.problem.clock)
-    return replace(
-        plan,
-        survival=chance.at_least,
-        survival_at_most=chance.at_most,
-        abstained=chance.at_least < asked.abstain_below,
-    )
+    route, clock = plan.route, asked.problem.clock
+    chance = survival_of(route.cells, route.first_step, asked.probability, clock, asked.members)
+    return replace(plan, chance=chance, abstained=chance.below(asked.abstain_below))
 
 
 def _without_route(ground: Ground, arrivals: Arrivals, start: Cell, missed: list[Cell]) -> list[GoalPlan]:

@@ -199,7 +199,7 @@ class StagedMission:
             known,
             survival=chance.at_least,
             survival_at_most=chance.at_most,
-            abstained=chance.at_least < self.request.abstain_below,
+            abstained=chance.below(self.request.abstain_below),
         )
 
 

@@ -72,18 +72,32 @@ def probability_from_forecast(speed_mps: Floats, *, threshold_mps: float, error_
 
 @dataclass(frozen=True, slots=True)
 class Survival:
-    """A route's chance to survive, between two bounds.
+    """A route's chance to survive, between two bounds, and counted in an ensemble if there is one.
 
     `at_least`: the product of (1 - p) over its steps, each an independent draw. `at_most`: the least (1 - p)
     of them, as if one draw decided the whole flight. Errors of one sign go together in space and time, so
-    that the truth lies between (Slepian's inequality).
+    that the truth lies between (Slepian's inequality). `members_survived`: of `members`.
     """
 
     at_least: float
     at_most: float
+    members_survived: int | None = None
+    members: int | None = None
+
+    def below(self, level: float) -> bool:
+        """Whether the chance is less than a level: the share of members, or without them the product."""
+        if self.members is None or self.members_survived is None:
+            return self.at_least < level
+        return self.members_survived / self.members < level
 
 
-def survival_of(cells: Sequence[Cell], first_step: int, probability: Floats, clock: StageClock) -> Survival:
+def survival_of(
+    cells: Sequence[Cell],
+    first_step: int,
+    probability: Floats,
+    clock: StageClock,
+    members: Bools | None = None,
+) -> Survival:
     """The chance that no cell of a route is hazardous when it is occupied.
 
     Args:
@@ -91,27 +105,31 @@ def survival_of(cells: Sequence[Cell], first_step: int, probability: Floats, clo
         first_step: the step of departure.
         probability: that a cell is hazardous, shape [stage, north, east].
         clock: the stages.
+        members: an ensemble [member, stage, north, east] in which the route is counted.
     """
-    safe = 1.0 - probability[_visited(cells, first_step, clock)]
-    return Survival(float(safe.prod()), float(safe.min()))
+    at = _visited(cells, first_step, clock)
+    safe = 1.0 - probability[at]
+    chance = Survival(float(safe.prod()), float(safe.min()))
+    if members is None:
+        return chance
+    survived = int((~members[:, *at].any(axis=1)).sum())
+    return replace(chance, members_survived=survived, members=len(members))
 
 
 @dataclass(frozen=True, slots=True)
 class SafestRoute:
     """The most likely surviving route to a goal.
 
-    `cells`: occupied at each step from `first_step` on; empty where there is no route. `survival`: product of
-    (1 - p) over its steps. `members_survived`: of `members`, None without an ensemble. `abstained`: the
-    survival lies below the level asked for, so the route should not be flown. `by_stage`: the safest route so
-    far at the end of each stage from the departure's on, if asked for, empty while there is none.
+    `cells`: occupied at each step from `first_step` on; empty where there is no route, and `chance` is None.
+    `abstained`: the chance lies below the level asked for, so the route should not be flown. `by_stage`: the
+    safest route so far at the end of each stage from the departure's on, if asked for, empty while there is
+    none.
     """
 
     goal: Cell
     cells: tuple[Cell, ...]
     first_step: int
-    survival: float
-    members_survived: int | None
-    members: int | None
+    chance: Survival | None
     abstained: bool
     by_stage: tuple[tuple[Cell, ...], ...] = ()
 
@@ -167,7 +185,7 @@ def search_survival(
     for name, cell in (("start", start), *(("goal", goal) for goal in goals)):
         ground.check_cell(name, cell)
     open_ground, clock = without_certain_hazard(ground, probability), ground.clock
-    none = [SafestRoute(goal, (), first_step, 0.0, None, None, True) for goal in goals]
+    none = [SafestRoute(goal, (), first_step, None, abstained=True) for goal in goals]
     if open_ground.hazard[clock.stage_of_step(first_step)][start]:
         return none
     swept = sweep(open_ground, _worth(probability, open_ground), start, goals, first_step=first_step)
@@ -190,23 +208,10 @@ def search_survival(
         if not so_far[-1]:
             found.append(missed)
             continue
-        at = _visited(so_far[-1], first_step, clock)
-        survival = float((1.0 - probability[at]).prod())
-        survived = None if members is None else int((~members[:, *at].any(axis=1)).sum())
-        count = None if members is None else len(members)
-        chance = survival if survived is None or count is None else survived / count
-        found.append(
-            SafestRoute(
-                missed.goal,
-                so_far[-1],
-                first_step,
-                survival,
-                survived,
-                count,
-                chance < abstain_below,
-                so_far if by_stage else (),
-            )
-        )
+        chance = survival_of(so_far[-1], first_step, probability, clock, members)
+        abstained = chance.below(abstain_below)
+        reported = so_far if by_stage else ()
+        found.append(SafestRoute(missed.goal, so_far[-1], first_step, chance, abstained, reported))
     return found
 
 

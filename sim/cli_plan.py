@@ -16,7 +16,7 @@ from sim.cli_options import FAILED, load, print_plan
 WEIGHTS = {"alpha": 1.0, "beta": 1.0, "gamma": 0.1, "delta": 0.1}
 OF_SCENARIOS = ("scenario", "overrides", "seed", "planner", "out", "exports")
 OF_MATRICES = (
-    *("key", "index", "start", "steps_per_stage", "step_s", "occupancy", "exact", "blur_cells"),
+    *("key", "index", "members", "start", "steps_per_stage", "step_s", "occupancy", "exact", "blur_cells"),
     *WEIGHTS,
 )
 _FILE = click.Path(path_type=Path, dir_okay=False)
@@ -50,12 +50,13 @@ def matrices_only(command: Callable[..., Any]) -> Callable[..., Any]:
         ),
         click.option("--key", help="With --hazards: name of the array in an .npz that holds several."),
         click.option("--index", type=int, help="With --hazards: which of several sets."),
+        click.option("--members", metavar="KEY", help="With --hazards: an ensemble to count survivors in."),
         click.option("--start", metavar="R,C", help="With --hazards: row, column from 0."),
         click.option("--steps-per-stage", type=int, default=30, show_default=True),
         click.option("--step-s", type=float, default=120.0, show_default=True),
         click.option("--occupancy", default="paper", show_default=True, help="Or strict."),
         click.option("--exact", is_flag=True, help="With score: the true optimum, and the gap to it."),
-        click.option("--blur-cells", type=float, help="With survival: blur of the share of members; 3."),
+        click.option("--blur-cells", type=float, help="Blur of the share of members; 3."),
         *(
             click.option(f"--{name}", type=float, default=value, show_default=True, help=f"Weight of {of}.")
             for (name, value), of in zip(
@@ -145,6 +146,7 @@ def _plan_matrices(
     goals: tuple[str, ...],
     key: str | None,
     index: int | None,
+    members: str | None,
     start: str | None,
     objective: str | None,
     exact: bool,
@@ -166,7 +168,7 @@ def _plan_matrices(
     departing = Departing.parsed(departures, best_by, distinct)
     if departing is None:
         how |= {"objective": objective or "earliest", "exact": exact}
-    found = plan_matrices(hazards, key, index, start, goals, departing, isochrones, **how)
+    found = plan_matrices(hazards, key, index, members, start, goals, departing, isochrones, **how)
     click.echo(json.dumps(found.answer))
     if found.table is not None and not as_json:
         click.echo(found.table, err=True)

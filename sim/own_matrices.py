@@ -31,6 +31,7 @@ def plan_matrices(
     path: Path,
     key: str | None,
     index: int | None,
+    members_key: str | None,
     start: str,
     goals: tuple[str, ...],
     departing: Departing | None,
@@ -43,6 +44,7 @@ def plan_matrices(
         path: .npz or .npy, `[stage, row, column]` or with a leading axis.
         key: the array's name in an .npz with several.
         index: of the leading axis; without, a leading axis is an ensemble.
+        members_key: the name of an ensemble in the same .npz, `[member, stage, row, column]`.
         start: "row,column".
         goals: the same.
         departing: the departures to choose from.
@@ -55,10 +57,12 @@ def plan_matrices(
     survival = how.get("objective") == "survival" or (
         departing is not None and departing.best_by == "survival"
     )
-    if "blur_cells" in how and not survival:
+    if "blur_cells" in how and not survival and members_key is None:
         raise SimError(
-            "--blur-cells blurs the share of members for survival; add --objective survival, or leave it out"
+            "--blur-cells blurs the share of members for survival; add --objective survival or --members KEY"
         )
+    if members_key is not None:
+        how["members"] = _matrices(path, members_key)
     hazards = _matrices(path, key)
     if index is not None:
         if hazards.ndim == 0 or not -len(hazards) <= index < len(hazards):

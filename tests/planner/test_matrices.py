@@ -127,7 +127,7 @@ def test_survival_takes_an_ensemble_or_probabilities():
     (given,) = planner.plan(
         members[0], (0, 0), [(0, 4)], **options, probability=np.full((1, 3, 5), 0.5), abstain_below=0.9
     )
-    assert given.survival == pytest.approx(0.5**5)
+    assert given.chance.at_least == pytest.approx(0.5**5)
     assert given.abstained
 
 
@@ -137,12 +137,25 @@ def test_other_objectives_report_the_survival_that_a_probability_gives():
         (found,) = planner.plan(
             CLEAR, (0, 0), [(0, 2)], objective=objective, probability=p, abstain_below=0.8
         )
-        assert (found.survival, found.survival_at_most) == (pytest.approx(0.9**3), pytest.approx(0.9))
+        assert (found.chance.at_least, found.chance.at_most) == (pytest.approx(0.9**3), pytest.approx(0.9))
         assert found.abstained
     hazards = CLEAR.copy()
     hazards[:, :, 3] = 1
     (missed,) = planner.plan(hazards, (0, 0), [(0, 4)], probability=p)
-    assert missed.survival is None
+    assert missed.chance is None
+
+
+@pytest.mark.parametrize("objective", ["earliest", "score", "survival"])
+def test_routes_of_every_objective_are_counted_in_an_ensemble_beside_the_forecast(objective):
+    members = np.zeros((5, 1, 2, 4), dtype=bool)
+    members[:2, 0, :, 2] = True
+    options = {"objective": objective, "members": members, "blur_cells": 0.0}
+    (found,) = planner.plan(np.zeros((1, 2, 4)), (0, 0), [(0, 3)], **options, abstain_below=0.6)
+    answer = found.to_dict()
+    assert (answer["members_survived"], answer["members"], answer["abstained"]) == (3, 5, False)
+    assert answer["survival"] == pytest.approx(0.6)
+    (timid,) = planner.plan(np.zeros((1, 2, 4)), (0, 0), [(0, 3)], **options, abstain_below=0.61)
+    assert timid.abstained
 
 
 def test_a_goal_that_certain_hazard_shuts_off_says_how_near():
@@ -202,13 +215,13 @@ def test_departures_by_survival_take_an_ensemble():
     options = {"steps_per_stage": 4, "blur_cells": 0.5}
     found = planner.plan_departures(members, (0, 0), [(3, 3)], (0, 10, 2), best_by="survival", **options)
     chances = [
-        planner.plan(members, (0, 0), [(3, 3)], objective="survival", depart_step=slot, **options)[0].survival
+        planner.plan(members, (0, 0), [(3, 3)], objective="survival", depart_step=slot, **options)[0].chance
         for slot in range(6)
     ]
     (goal,) = found.goals
-    assert goal.members == 5
-    known = [0.0 if chance is None else chance for chance in chances]
-    assert goal.survival == pytest.approx(max(known))
+    assert goal.chance.members == 5
+    known = [0.0 if chance is None else chance.at_least for chance in chances]
+    assert goal.chance.at_least == pytest.approx(max(known))
     assert found.table.departures.survival[:, 0] == pytest.approx(known, abs=1e-9)
 
 
@@ -268,6 +281,8 @@ def test_ten_thousand_goals_out_of_reach(objective):
         ({"occupancy": "loose"}, PlannerError, "paper or strict"),
         ({"exact": True}, PlannerError, "objective 'score'"),
         ({"abstain_below": 0.5}, PlannerError, "chance to survive"),
+        ({"members": np.zeros((3, 2, 4, 4))}, BadFieldError, "do not fit"),
+        ({"members": np.zeros((4, 5))}, BadFieldError, "member, stage, row, column"),
         ({"probability": np.full((2, 4, 5), np.nan)}, BadFieldError, "0 and 1"),
         ({"depart_step": 60}, PlannerError, "horizon of 60 steps"),
         ({"depart_step": -1}, PlannerError, "horizon"),

@@ -35,8 +35,8 @@ def test_is_the_safest_of_every_route(block, small_world, enumeration):
         (found,) = search_survival(p, ground, start, [goal])
         assert bool(found.cells) == bool(best)
         if found.cells:
-            assert found.survival == pytest.approx(max(best.values()), rel=1e-9)
-            assert best[found.arrival_step] == pytest.approx(found.survival, rel=1e-9)
+            assert found.chance.at_least == pytest.approx(max(best.values()), rel=1e-9)
+            assert best[found.arrival_step] == pytest.approx(found.chance.at_least, rel=1e-9)
 
 
 def test_goes_around_what_is_likely_and_counts_the_members():
@@ -47,11 +47,15 @@ def test_goes_around_what_is_likely_and_counts_the_members():
     assert p[0, 0, 2] == pytest.approx(0.75)
     ground = Ground(np.zeros((1, 3, 5), dtype=bool), StageClock(0.0, 1, 9))
     (found,) = search_survival(p, ground, (0, 0), [(0, 4)], members=members)
-    assert (found.survival, found.members_survived, found.members) == (pytest.approx(1.0), 4, 4)
+    assert found.chance == Survival(pytest.approx(1.0), pytest.approx(1.0), 4, 4)
     assert (2, 2) in found.cells
     short = Ground(np.zeros((1, 3, 5), dtype=bool), StageClock(0.0, 1, 7))
     (hasty,) = search_survival(p, short, (0, 0), [(0, 4)], members=members, abstain_below=0.8)
-    assert (hasty.survival, hasty.members_survived, hasty.abstained) == (pytest.approx(0.75), 3, True)
+    assert (hasty.chance.at_least, hasty.chance.members_survived, hasty.abstained) == (
+        pytest.approx(0.75),
+        3,
+        True,
+    )
     assert (1, 2) in hasty.cells
     (bold,) = search_survival(p, short, (0, 0), [(0, 4)], members=members, abstain_below=0.75)
     assert not bold.abstained
@@ -60,7 +64,7 @@ def test_goes_around_what_is_likely_and_counts_the_members():
 def test_of_equally_safe_arrivals_the_earliest_with_fewest_moves():
     ground = Ground(np.zeros((1, 3, 5), dtype=bool), StageClock(0.0, 1, 20))
     (found,) = search_survival(np.zeros((1, 3, 5)), ground, (0, 0), [(2, 4)])
-    assert (found.arrival_step, found.survival) == (6, 1.0)
+    assert (found.arrival_step, found.chance.at_least) == (6, 1.0)
 
 
 def test_a_route_survives_between_its_product_and_its_worst_step():
@@ -143,7 +147,9 @@ def test_each_departure_has_the_survival_of_its_own_search(small_world):
         reached += int((table.survival > 0.0).sum())
         for slot, row, arrivals in zip(slots, table.survival, table.arrival_step, strict=True):
             found = search_survival(p, ground, start, goals, first_step=slot)
-            assert row == pytest.approx([entry.survival for entry in found], abs=1e-9)
+            assert row == pytest.approx(
+                [entry.chance.at_least if entry.chance else 0.0 for entry in found], abs=1e-9
+            )
             steps = [entry.arrival_step for entry in found]
             assert arrivals.tolist() == [-1 if step is None else step for step in steps]
     assert reached > 100
