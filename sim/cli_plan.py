@@ -24,7 +24,7 @@ _FILE = click.Path(path_type=Path, dir_okay=False)
 
 def scenario_only(command: Callable[..., Any]) -> Callable[..., Any]:
     """Everything that belongs to a scenario."""
-    for decorate in (
+    options = (
         click.argument("scenario", default="ian"),
         click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Override any value."),
         click.option("--seed", type=int, help="Short for --set seed=N."),
@@ -37,14 +37,13 @@ def scenario_only(command: Callable[..., Any]) -> Callable[..., Any]:
             multiple=True,
             help="Write the route as .geojson, .kml, .gpx, .plan or .waypoints; repeatable.",
         ),
-    ):
-        command = decorate(command)
-    return command
+    )
+    return _decorated(command, options)
 
 
 def matrices_only(command: Callable[..., Any]) -> Callable[..., Any]:
     """Everything that belongs to `galeway plan --hazards`."""
-    for decorate in (
+    options = (
         click.option(
             "--hazards", type=click.Path(path_type=Path), help="Matrices of your own, a NumPy file."
         ),
@@ -63,7 +62,12 @@ def matrices_only(command: Callable[..., Any]) -> Callable[..., Any]:
                 WEIGHTS.items(), ("clearance", "mean clearance", "length", "time"), strict=True
             )
         ),
-    ):
+    )
+    return _decorated(command, options)
+
+
+def _decorated(command: Callable[..., Any], options: Sequence[Callable[..., Any]]) -> Callable[..., Any]:
+    for decorate in reversed(options):  # the last one applied comes first in --help
         command = decorate(command)
     return command
 
@@ -71,12 +75,15 @@ def matrices_only(command: Callable[..., Any]) -> Callable[..., Any]:
 @click.command()
 @scenario_only
 @click.option("--goal", "goals", multiple=True, help="A goal by name; with --hazards ROW,COLUMN, repeatable.")
-@click.option("--objective", help="Earliest, score or survival; short for --set planner.objective=NAME.")
+@click.option(
+    "--objective",
+    help="Earliest, score, survival (or, windaware, fuel); short for --set planner.objective=NAME.",
+)
 @click.option("--abstain-below", type=float, help="Turn down plans with a smaller chance to survive, 0 to 1.")
 @click.option("--departures", metavar="FIRST:LAST:EVERY", help="Minutes; plan from the best of these slots.")
 @click.option("--best-by", help="With --departures: arrival (the default), flight or survival.")
 @click.option(
-    "--distinct", is_flag=True, help="With --departures: one vehicle to each goal, none in one slot."
+    "--distinct", is_flag=True, help="With --departures: one vehicle to each goal, no two in a slot."
 )
 @click.option("--isochrones", type=_FILE, help="Write the arrival step of every cell to this .npy file.")
 @click.option("--json", "as_json", is_flag=True, help="Print the plan as JSON.")

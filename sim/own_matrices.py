@@ -110,7 +110,7 @@ def _matrices(path: Path, key: str | None) -> Any:
         raise SimError(f"cannot read hazard matrices from {path}: {error}; give .npz or .npy") from error
     if isinstance(loaded, np.ndarray):
         if key is not None:
-            raise SimError(f"{path} holds one array without a name; leave out --key {key}")
+            raise SimError(f"{path} holds one array, without a name; leave {key!r} out, or give an .npz")
         return loaded
     with loaded:
         names = list(loaded.files)

@@ -243,7 +243,8 @@ def test_survival_is_reported_and_a_plan_that_is_too_risky_is_not_flown(ran, tmp
         (["--seed", "3"], ["--seed", "--hazards"]),
         (["--out", "plan.json"], ["--out", "--hazards"]),
         (["--export", "route.kml"], ["--export"]),
-        (["--key", "a"], ["--key"]),
+        (["--key", "a"], ["one array", "'a'"]),
+        (["--members", "a"], ["one array", "'a'"]),
         (["--steps-per-stage", "0"], ["must be positive"]),
         (["--steps-per-stage", "-2"], ["must be positive"]),
         (["--step-s", "0"], ["must be positive"]),
@@ -332,6 +333,14 @@ def test_ten_thousand_goals_share_three_departures(ran, tmp_path):
         (["--objective", "survival"], ["hazard.forecast_error_mps"]),
         (["--abstain-below", "0.5"], ["hazard.forecast_error_mps"]),
         (["--abstain-below", "7", *ERROR], ["abstain_below is 7"]),
+        (["--set", "mission.start.lat_deg=50"], ["start Here"]),
+        (["--set", "mission.goals=[{name='There', lat_deg=29.7, lon_deg=-70}]"], ["goal There"]),
+        (["--set", "mission.goals=[]"], ["mission.goals"]),
+        (["--set", "stages.steps=0"], ["stages.steps is 0"]),
+        (["--set", "stages.count=-1"], ["stages.count is -1"]),
+        (["--set", "stages.step_s=0"], ["stages.step_s is 0"]),
+        (["--set", "planner.beta=inf"], ["planner.beta is inf", "finite"]),
+        (["--set", "hazard.forecast_error_mps=nan"], ["forecast_error_mps is nan"]),
         (["--start", "0,0"], ["--start", "--hazards"]),
         (["--alpha", "2"], ["--alpha", "--set"]),
         (["--exact"], ["--exact"]),
@@ -363,3 +372,15 @@ def test_the_objective_has_a_short_name(ran):
     code, out, _ = ran("plan", SHORT, "--set", "stages.steps=3")
     assert "nearest 29." in out
     assert "last door in stage 0" in out
+
+
+def test_a_horizon_of_one_step_reaches_the_cell_that_it_starts_in(ran):
+    one_step = ("--set", "stages.steps=1", "--json")
+    code, out, _ = ran("plan", SHORT, *one_step)
+    assert code == 1
+    assert json.loads(out)["goals"][0]["reason"] == "no safe way leads there within the horizon"
+    here = "lat_deg=29.6, lon_deg=-90.6"
+    twice = f'mission.goals=[{{name="There", {here}}}, {{name="Here too", {here}}}]'
+    code, out, _ = ran("plan", SHORT, "--set", twice, *one_step)
+    assert code == 0
+    assert [goal["arrival_s"] for goal in json.loads(out)["goals"]] == [0.0, 0.0]
