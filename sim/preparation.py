@@ -87,11 +87,16 @@ def prepare_flight(
     """Lay the reference through the plan and put the trimmed aircraft at its beginning.
 
     Raises:
-        ScenarioError: if the plan leads nowhere.
+        ScenarioError: if the plan leads nowhere, or its chance to survive is too small to be flown.
         PathError: if no flyable curve leads through the plan.
         ModelError: if the aircraft cannot be trimmed.
     """
     scenario, grid = loaded.scenario, weather.forecast.grid
+    if plan.outcome.abstained:
+        raise ScenarioError(
+            f"the plan to {plan.goal} is not to be flown: its chance to survive, {plan.outcome.survival}, is "
+            f"below planner.abstain_below {scenario.planner.abstain_below}"
+        )
     if len({(waypoint.lat_deg, waypoint.lon_deg) for waypoint in plan.waypoints}) < 2:
         raise ScenarioError(
             f"mission.start and the goal {plan.goal} lie in one cell of {scenario.grid.cell_m:.0f} m, "
