@@ -26,7 +26,7 @@ def why_not_flown(plan: Plan, abstain_below: float) -> str | None:
         chance = "too small" if outcome.survival is None else percent(outcome.survival)
         return (
             f"not to be flown: the chance to survive on the way to {plan.goal} is {chance}, and "
-            f"planner.abstain_below asks for {percent(abstain_below)}; lower it, or choose planner.objective survival"
+            f"planner.abstain_below is {percent(abstain_below)}; lower it, or set planner.objective=survival"
         )
     return None
 

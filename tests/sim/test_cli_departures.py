@@ -206,7 +206,7 @@ def test_survival_is_reported_and_a_plan_that_is_too_risky_is_not_flown(ran, tmp
     assert code == 1
     assert "abstained" in out
     assert "not to be flown" in err
-    assert "planner.abstain_below asks for 100 %" in err
+    assert "planner.abstain_below is 100 %" in err
     assert [path.name for path in tmp_path.iterdir()] == ["plan.json"]
     assert Plan.load(tmp_path / "plan.json").outcome.abstained
     code, _, err = ran("plan", SHORT, *risky, "--export", tmp_path / "route.gpx")

@@ -49,6 +49,6 @@ def test_why_a_plan_is_not_flown():
     assert why_not_flown(PLAN, 0.0) is None
     risky = replace(PLAN, goals=(replace(WAY, abstained=True), NO_WAY))
     assert "chance to survive on the way to A is 25 %" in why_not_flown(risky, 0.5)
-    assert "asks for 50 %" in why_not_flown(risky, 0.5)
+    assert "is 50 %" in why_not_flown(risky, 0.5)
     nowhere = replace(PLAN, goal="B", waypoints=())
     assert why_not_flown(nowhere, 0.0) == "no route to B: no safe way"
