@@ -1,0 +1,35 @@
+"""Wall times and peak memory."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+T = TypeVar("T")
+
+
+def clocked(call: Callable[[], T], repeats: int = 1) -> tuple[float, T]:
+    """The least of some wall times [s], and what the call gave."""
+    best = float("inf")
+    for _ in range(repeats):
+        begin = time.perf_counter()
+        found = call()
+        best = min(best, time.perf_counter() - begin)
+    return best, found
+
+
+def say(what: str) -> None:
+    """Progress, apart from what is printed as the result."""
+    print(f"  {what}", file=sys.stderr, flush=True)
+
+
+def own_peak_mb() -> float:
+    """The largest resident size of this process so far [MB].
+
+    Not by getrusage: that counts the process that it was forked from, too.
+    """
+    status = Path("/proc/self/status").read_text(encoding="ascii")
+    return float(next(line.split()[1] for line in status.splitlines() if line.startswith("VmHWM"))) / 1000.0
