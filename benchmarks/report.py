@@ -29,6 +29,7 @@ from pathlib import Path
 
 SECTIONS = {
     "planner": "planner_speed.py",
+    "peers": "peers_speed.py",
     "loop": "real_time_factor.py",
 }
 """Name to script, in the order of the page."""
