@@ -50,6 +50,11 @@ def draw(problem: StagedProblem, start: Cell, rows: Sequence[ComparisonRow], pat
         for row in own:
             _draw_row(panel, row)
         panel.plot(start[1], start[0], "o", color="black", markersize=4)
+    figure.supxlabel(
+        "goals reached within the rules, of all. Blue: keeps the rules; red, dashed: breaks one; crosses: no"
+        "\nroute; dots on the way: waits; grey: share of the stages in which a cell is hazardous",
+        fontsize=8,
+    )
     figure.savefig(path, dpi=110, metadata={"Software": None})
 
 
