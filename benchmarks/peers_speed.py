@@ -19,7 +19,7 @@ from worlds import Cell, drifting_patches, size_of, start_and_goals
 from planner.arrivals import sweep_arrivals
 from planner.compare import compare
 from planner.hazards import StageClock
-from planner.peers import PEERS
+from planner.peers import PEERS, Find, PeerRoute
 from planner.peers.breach import first_breach
 from planner.score import Weights
 from planner.staged import Occupancy, StagedProblem
@@ -97,8 +97,11 @@ def full_size(hazard: Hazard) -> str:
     ours_s, routes = clocked(sweep_once, 9)
     earliest = [None if route is None else len(route) - 1 for route in routes]
     reachable = sum(step is not None for step in earliest)
+    one_by_one_s, _ = clocked(lambda: [PEERS["staged"].find(problem, start, goal) for goal in goals], 3)
+    all_found = [f"{reachable} of {reachable}", str(len(goals))]
     rows = [
-        ["**galeway, all goals in one sweep**", f"{reachable} of {reachable}", "10", duration(ours_s), ""]
+        ["**galeway, all goals in one sweep**", *all_found, duration(ours_s), ""],
+        ["**galeway, a sweep for each goal**", *all_found, duration(one_by_one_s), ""],
     ]
     for name, peer in PEERS.items():
         if name in OURS:
@@ -121,14 +124,26 @@ def full_size(hazard: Hazard) -> str:
     return table(["", "earliest arrivals", "goals answered", "time", "galeway faster"], rows)
 
 
+def _clocking(find: Find, spent_s: list[float]) -> Find:
+    """The same call, which also notes the processor time that it takes."""
+
+    def clocking(problem: StagedProblem, start: Cell, goal: Cell, *, seed: int = 0) -> PeerRoute:
+        own_s, route = clocked(lambda: find(problem, start, goal, seed=seed))
+        spent_s.append(own_s)
+        return route
+
+    return clocking
+
+
 def side_by_side(problem: StagedProblem, start: Cell, goals: list[Cell]) -> str:
     """All systems, ours among them, by the comparison that `galeway compare` makes."""
     rows = []
     for name, peer in PEERS.items():
-        own = compare(problem, start, goals, {name: peer})
+        spent_s: list[float] = []
+        own = compare(problem, start, goals, {name: peer._replace(find=_clocking(peer.find, spent_s))})
         kept = [row for row in own if row.keeps_rules]
         delays = [row.delay_steps for row in kept if row.delay_steps is not None]
-        say(f"{name}: {sum(row.wall_s for row in own):.2f} s")
+        say(f"{name}: {sum(spent_s):.2f} s")
         rows.append(
             [
                 peer.about,
@@ -137,10 +152,10 @@ def side_by_side(problem: StagedProblem, start: Cell, goals: list[Cell]) -> str:
                 str(sum(delay <= 0.0 for delay in delays)),
                 f"{fmean(delays):+.1f}" if delays else "-",
                 f"{max(delays):+.1f}" if delays else "-",
-                duration(fmean(row.wall_s for row in own)),
+                duration(fmean(spent_s)),
             ]
         )
-    head = ["", "arrivals", "through hazard", "earliest", "mean delay", "worst delay", "time a goal"]
+    head = ["", "arrivals", "against the rules", "earliest", "mean delay", "worst delay", "time a goal"]
     return table(head, rows)
 
 
@@ -161,9 +176,9 @@ their times: they answer an easier question. The paper's own planner, cell by ce
 {full_size(hazard)}
 
 All of them on a smaller map, {size_of(small, SHORT_STEPS)},
-with {len(goals)} goals. Arrivals are by routes that keep every rule; "through hazard", a route was given that
-does not. Delays are in steps after the earliest arrival by the four moves; systems in the plane cut corners,
-so that theirs can be negative.
+with {len(goals)} goals. Arrivals are by routes that keep every rule; "against the rules", a route was given
+that does not, mostly through hazard to come. Delays are in steps after the earliest arrival by the four moves;
+systems in the plane cut corners, so that theirs can be negative.
 
 {side_by_side(problem_of(small, SHORT_STEPS), start, goals)}"""
 
