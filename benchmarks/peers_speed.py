@@ -177,8 +177,8 @@ their times: they answer an easier question. The paper's own planner, cell by ce
 
 All of them on a smaller map, {size_of(small, SHORT_STEPS)},
 with {len(goals)} goals. Arrivals are by routes that keep every rule; "against the rules", a route was given
-that does not, mostly through hazard to come. Delays are in steps after the earliest arrival by the four moves;
-systems in the plane cut corners, so that theirs can be negative.
+that does not, mostly through hazard to come. Delays are in steps after the earliest arrival by the four
+moves; systems in the plane cut corners, so that theirs can be negative.
 
 {side_by_side(problem_of(small, SHORT_STEPS), start, goals)}"""
 
