@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -153,11 +154,10 @@ def growth(hazard: Hazard) -> str:
         rows.append([f"{part.shape[1]} x {part.shape[2]} cells", *row(part)])
     rows += [[f"{stages} stages", *row(hazard[:stages])] for stages in (3, 6, 12, 18)]
     rows += [[f"{count:,} goals", *row(hazard, count)] for count in (1, 10, 100, 1000, 10_000)]
-    start, goals = start_and_goals(hazard)
+    ground, (start, goals) = ground_of(hazard), start_and_goals(hazard)
     for slots in (1, 6, 18, 54):
         steps = range(0, len(hazard) * STEPS, len(hazard) * STEPS // slots)
-        ground = ground_of(hazard)
-        own_s, _ = clocked(lambda g=ground, s=steps: search_departures(g, start, goals, s), 2)
+        own_s, _ = clocked(partial(search_departures, ground, start, goals, steps), 2)
         rows.append([f"{slots} departures", duration(own_s), ""])
     return table(["", "arrivals", "best score"], rows)
 

@@ -55,7 +55,7 @@ def sections_of(page: str) -> dict[str, str]:
 
 def with_sections(page: str, measured: Mapping[str, str]) -> str:
     """The page with sections put in place of what it had; sections that `SECTIONS` does not name go."""
-    known = sections_of(page) | measured
+    known = {**sections_of(page), **measured}
     parts = [f"<!-- section: {name} -->\n{known[name].strip()}\n" for name in SECTIONS if name in known]
     return "\n".join([INTRODUCTION, *parts])
 

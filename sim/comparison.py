@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from planner.compare import compare
+from planner.comparison_picture import check_picture, draw
 from planner.comparison_table import rows_table, summary_table
 from planner.hazards import hazard_stages
 from planner.peers import PEERS, Peer, PeerRoute, TrackPoint
@@ -47,6 +48,8 @@ def compare_planners(
     for name in names:
         if name not in known:
             raise SimError(f"no planner is named {name!r}; there are {', '.join(known)}")
+    if picture is not None:
+        check_picture(picture)
     scenario, weather = loaded.scenario, bring_weather(loaded)
     request = planning_request(scenario, make_aircraft(scenario))
     problem = staged_problem(weather.forecast, request)
@@ -70,8 +73,6 @@ def compare_planners(
         progress=progress,
     )
     if picture is not None:
-        from planner.comparison_picture import draw  # matplotlib, an extra
-
         draw(problem, start, rows, picture)
     return f"{rows_table(rows, goals)}\n\n{summary_table(rows)}"
 
