@@ -24,6 +24,7 @@ from planner.peers.breach import first_breach
 from planner.score import Weights
 from planner.staged import Occupancy, StagedProblem
 
+TITLE = "The systems that the planner is compared with"
 STEPS = 30
 LIMIT_S = 15
 """Processor time that a system has on the paper's size for all of its goals."""
@@ -164,8 +165,6 @@ def section() -> str:
     small = hazard[:, ::SHARE, ::SHARE]
     start, goals = start_and_goals(small)
     return f"""\
-## The systems that the planner is compared with
-
 {size_of(hazard, STEPS)}, ten goals.
 Each system of `planner/peers/` runs in a process of its own, one goal after the other as its call asks, and
 has {LIMIT_S} s of processor time for all of them; ours finds all in one sweep. In bold, what solves the same

@@ -26,6 +26,7 @@ from planner.survival import probability_from_members, search_survival
 from planner.sweep import sweep
 from planner.trace import routes
 
+TITLE = "The planner against the paper in pure Python"
 STEPS = 30
 CAP = 30
 WEIGHTS = Weights(clearance_cap_cells=float(CAP))
@@ -168,8 +169,6 @@ def section() -> str:
     ratios = against_literal(hazard, start, goals)
     say("memory and growth")
     return f"""\
-## The planner against the paper in pure Python
-
 {size_of(hazard, STEPS)}, {len(goals)} goals,
 in patches that drift (`benchmarks/worlds.py`). The reference is the paper word for word, one cell after the
 other (`benchmarks/literal_planner.py`), with the clearance capped at {CAP} cells. The run checks that both

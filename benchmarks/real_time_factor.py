@@ -21,6 +21,7 @@ from sim.preparation import make_aircraft, make_plan, prepare_flight
 from sim.scenario import load_scenario
 from sim.weather.source import bring_weather
 
+TITLE = "The closed loop against JSBSim alone"
 FLOWN_S = 7200.0
 
 
@@ -77,8 +78,6 @@ def section() -> str:
         for case, wall_s in walls_s.items()
     ]
     return f"""\
-## The closed loop against JSBSim alone
-
 {FLOWN_S / 3600.0:.0f} h of `ian` to {plan.goal}: JSBSim with its autopilot at 60 Hz,
 guidance and samples at 10 Hz.
 

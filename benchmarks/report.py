@@ -3,16 +3,16 @@
 `make bench` runs all; `python benchmarks/report.py planner peers` runs two, and leaves the other sections of
 the page as they are.
 
-A benchmark is a script in this folder, named in `SECTIONS` below, with
+A benchmark is a script in this folder, listed in `SECTIONS` below, with
 
-    def section() -> str:            # markdown; its first line is the heading, "## What is measured"
-    if __name__ == "__main__":
-        print(section())             # so that it can be run alone
+    TITLE: str                       # the heading, without its marks
+    def section() -> str:            # the markdown under it
+    if __name__ == "__main__":       # so that it can be run alone: prints section(), or parts of it
 
-It says what is measured, the target where there is one, and what came out, as ratios within one run wherever
-it can. Progress goes to stderr. Where the sides that it compares do not agree it raises SystemExit with the
-reason, and the page keeps what it had. `tables.py` writes tables, `timing.py` clocks. Each script runs in a
-process of its own; the command, the machine and the revision are put under its heading here.
+The section says what is measured, the target where there is one, and what came out, as ratios within one run
+wherever it can. Progress goes to stderr, nothing to stdout. Where the sides that it compares do not agree it
+raises SystemExit with the reason, and the page keeps what it had. `tables.py` writes tables, `timing.py`
+takes times. Each runs in its own process; command, machine and revision are put under its heading here.
 """
 
 from __future__ import annotations
@@ -24,15 +24,16 @@ import re
 import subprocess
 import sys
 from collections.abc import Mapping
+from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
 
 SECTIONS = {
-    "planner": "planner_speed.py",
-    "peers": "peers_speed.py",
-    "loop": "real_time_factor.py",
+    "planner": "planner_speed",
+    "peers": "peers_speed",
+    "loop": "real_time_factor",
 }
-"""Name to script, in the order of the page."""
+"""Name to module, in the order of the page."""
 
 FOLDER = Path(__file__).resolve().parent
 PAGE = FOLDER.parent / "docs" / "benchmarks.md"
@@ -60,18 +61,6 @@ def with_sections(page: str, measured: Mapping[str, str]) -> str:
     return "\n".join([INTRODUCTION, *parts])
 
 
-def under_heading(section: str, line: str) -> str:
-    """A section with a line put under its heading.
-
-    Raises:
-        ValueError: if it does not begin with a heading of the second level.
-    """
-    heading, _, rest = section.strip().partition("\n")
-    if not heading.startswith("## ") or not rest.strip():
-        raise ValueError(f"a section begins with '## ' and has text after it, not {heading!r}")
-    return f"{heading}\n\n{line}\n\n{rest.strip()}"
-
-
 def circumstances(name: str) -> str:
     """The command that measures a section, and on what it was measured."""
     return (
@@ -88,23 +77,35 @@ def revision() -> str:
 
 
 def measure(name: str) -> str:
-    """Run one benchmark and give its section.
+    """Run one benchmark in a process of its own and give its section with its heading.
 
     Raises:
         subprocess.CalledProcessError: if it fails.
     """
-    script = FOLDER / SECTIONS[name]
-    done = subprocess.run([sys.executable, script], check=True, stdout=subprocess.PIPE, text=True)
-    return under_heading(done.stdout, circumstances(name))
+    command = [sys.executable, __file__, "--print", name]
+    done = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True)
+    return done.stdout.strip()
+
+
+def print_section(name: str) -> None:
+    """What that process does."""
+    benchmark = import_module(SECTIONS[name])
+    line = circumstances(name)  # before it is measured, with the revision that is
+    print(f"## {benchmark.TITLE}\n\n{line}\n\n{benchmark.section().strip()}")
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description="Run benchmarks and write docs/benchmarks.md.")
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(SECTIONS)}; default: all")
-    names = parser.parse_args().names or list(SECTIONS)
+    parser.add_argument("--print", action="store_true", help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    names = options.names or list(SECTIONS)
     for name in names:
         if name not in SECTIONS:
             parser.error(f"no benchmark is named {name!r}; there are {', '.join(SECTIONS)}")
+    if options.print:
+        print_section(*names)
+        return
     failed = []
     for name in names:
         print(f"{name} ...", file=sys.stderr, flush=True)

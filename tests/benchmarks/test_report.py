@@ -1,11 +1,13 @@
 """The page of benchmarks: sections are put in place without touching others, and each script can be run."""
 
 import ast
+import importlib
 import importlib.util
 import inspect
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -20,7 +22,6 @@ def load(name):
 
 
 report = load("report")
-SCRIPTS = list(report.SECTIONS.values())
 FIRST, SECOND = list(report.SECTIONS)[:2]
 
 
@@ -45,28 +46,45 @@ def test_a_section_that_is_no_longer_listed_goes():
     assert "Gone" not in report.with_sections(page, {FIRST: "## One\n\n1"})
 
 
-def test_the_circumstances_stand_under_the_heading():
-    assert report.under_heading("\n## One\n\ntext\n", "by hand") == "## One\n\nby hand\n\ntext"
+def test_the_circumstances_name_the_command_and_no_path():
     line = report.circumstances(FIRST)
     assert f"python benchmarks/report.py {FIRST}" in line
-    assert str(Path.cwd()) not in line
+    assert str(FOLDER.parent) not in line
 
 
-@pytest.mark.parametrize("section", ["", "text", "# One\n\ntext", "## One", "## One\n\n"])
-def test_what_is_no_section_is_refused(section):
-    with pytest.raises(ValueError, match="a section begins with"):
-        report.under_heading(section, "line")
+def test_a_section_is_printed_with_its_heading(monkeypatch, capsys):
+    module = SimpleNamespace(TITLE="Two and two", section=lambda: "\nfour\n")
+    monkeypatch.setattr(report, "import_module", lambda _: module)
+    report.print_section(FIRST)
+    assert capsys.readouterr().out == f"## Two and two\n\n{report.circumstances(FIRST)}\n\nfour\n"
 
 
-@pytest.mark.parametrize("script", SCRIPTS)
-def test_each_script_has_a_section_and_can_be_run_alone(script, monkeypatch):
+def test_a_benchmark_that_fails_leaves_the_page_as_it_was(monkeypatch, tmp_path):
+    page = tmp_path / "benchmarks.md"
+    page.write_text(report.with_sections("", {FIRST: "## One\n\n1"}), encoding="utf-8")
+    before = page.read_bytes()
+
+    def fail(name):
+        raise subprocess.CalledProcessError(1, name)
+
+    monkeypatch.setattr(report, "PAGE", page)
+    monkeypatch.setattr(report, "measure", fail)
+    monkeypatch.setattr(sys, "argv", ["report.py", FIRST])
+    with pytest.raises(SystemExit, match=FIRST):
+        report.main()
+    assert page.read_bytes() == before
+
+
+@pytest.mark.parametrize("name", report.SECTIONS.values())
+def test_each_benchmark_has_a_title_and_a_section_and_can_be_run_alone(name, monkeypatch):
     monkeypatch.syspath_prepend(FOLDER)
-    module = load(script.removesuffix(".py"))
+    module = importlib.import_module(name)
+    assert module.TITLE
+    assert not module.TITLE.startswith("#")
     assert not inspect.signature(module.section).parameters
-    guard = ast.parse((FOLDER / script).read_text(encoding="utf-8")).body[-1]
+    guard = ast.parse((FOLDER / f"{name}.py").read_text(encoding="utf-8")).body[-1]
     assert isinstance(guard, ast.If)
     assert "__main__" in ast.unparse(guard.test)
-    assert "print(section())" in ast.unparse(guard)
 
 
 def test_the_page_holds_listed_sections_only():
