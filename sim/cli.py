@@ -90,7 +90,10 @@ def compare(picture: Path | None, only: str | None, **scenario: Any) -> None:
     loaded = load(**scenario)
     from sim.comparison import compare_planners
 
-    click.echo(compare_planners(loaded, only.split(",") if only else (), picture))
+    def progress(name: str) -> None:
+        click.echo(f"{name} ...", err=True)
+
+    click.echo(compare_planners(loaded, only.split(",") if only else (), picture, progress))
 
 
 @commands.command()
