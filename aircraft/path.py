@@ -66,6 +66,18 @@ class ReferencePoint(NamedTuple):
     phase: Phase
 
 
+class Target(NamedTuple):
+    """What the reference asks for at one distance along it: a `ReferencePoint` without its position."""
+
+    altitude_m: float
+    time_s: float
+    course_rad: float
+    curvature_radpm: float
+    speed_mps: float
+    climb_mps: float
+    phase: Phase
+
+
 class ReferencePoints(NamedTuple):
     """The reference at many distances along it, arrays of one shape; units as in `ReferencePoint`."""
 

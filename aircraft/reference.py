@@ -18,10 +18,21 @@ from numpy.typing import NDArray
 
 from aircraft.errors import PathError
 from aircraft.laying import Style, lay
-from aircraft.path import Floats, PathPoint, Phase, ReferencePoint, ReferencePoints, WindAt
+from aircraft.path import Floats, PathPoint, Phase, ReferencePoint, ReferencePoints, Target, WindAt
 from aircraft.projection import Projection, Projector
 
-__all__ = ["PathPoint", "Phase", "Projection", "Reference", "ReferencePoint", "ReferencePoints", "WindAt"]
+__all__ = [
+    "PathPoint",
+    "Phase",
+    "Projection",
+    "Reference",
+    "ReferencePoint",
+    "ReferencePoints",
+    "Target",
+    "WindAt",
+]
+
+_new_tuple = tuple.__new__  # makes a named tuple of a tuple in a third of the time of its constructor
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,6 +178,31 @@ class Reference:
             climb_mps,
             scale,
             phase,
+        )
+
+    def target(self, path_m: float) -> Target:
+        """What `at` says, without the position: several times a round of guidance, so quick."""
+        starts, rows = self._rows
+        i = bisect_right(starts, path_m) - 1
+        if i < 0:
+            i = 0
+        row = rows[i]
+        along_m = path_m - starts[i]
+        if along_m < 0.0:
+            along_m = 0.0
+        elif along_m > row.length_m:
+            along_m = row.length_m
+        return _new_tuple(
+            Target,
+            (
+                row.altitude_m + row.climb_slope * along_m,
+                row.time_s + row.time_slope * along_m,
+                row.course_rad + row.curvature * along_m,
+                row.curvature * row.scale,
+                row.speed_mps,
+                row.climb_mps,
+                row.phase,
+            ),
         )
 
     def at_many(self, path_m: Floats) -> ReferencePoints:
