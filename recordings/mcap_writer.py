@@ -126,8 +126,7 @@ class McapRecorder:
 
     def sample(self, state: FlightState, guidance: GuidanceSample) -> None:
         """See `Recorder.sample`."""
-        self._samples.add(state, guidance)
-        if len(self._samples) == self._room:
+        if self._samples.add(state, guidance) == self._room:
             self._write_samples()
             self._file.finish_chunk()
             self._room = SAMPLES_PER_CHUNK

@@ -28,8 +28,7 @@ class SampleColumns:
 
     def add(self, state: FlightState, guidance: GuidanceSample) -> bool:
         """Take one sample; True if a chunk is full and has to be written."""
-        self._samples.add(state, guidance)
-        return len(self._samples) >= SAMPLES_PER_CHUNK
+        return self._samples.add(state, guidance) >= SAMPLES_PER_CHUNK
 
     def write(self, stream: rr.RecordingStream) -> None:
         """Write what was collected."""

@@ -27,10 +27,12 @@ class Samples:
     def __len__(self) -> int:
         return len(self._states)
 
-    def add(self, state: FlightState, guidance: GuidanceSample) -> None:
-        """Keep one sample."""
-        self._states.append(state)
+    def add(self, state: FlightState, guidance: GuidanceSample) -> int:
+        """Keep one sample; returns how many there are now."""
+        states = self._states
+        states.append(state)
         self._guidance.append(guidance)
+        return len(states)
 
     def take(self) -> tuple[Floats, Floats]:
         """The samples' columns, `STATE_COLUMNS` and `GUIDANCE_COLUMNS`, each of shape (samples, columns)."""

@@ -373,4 +373,4 @@ def test_a_target_is_the_point_without_its_position(points: list[PathPoint], sha
 def test_a_target_where_segments_meet_is_the_later_ones() -> None:
     reference = lay(flat((0.0, 0.0, 0.0), (3000.0, 0.0, 100.0), (3000.0, 3000.0, 200.0)))
     for start_m in reference.start_m.tolist():
-        assert reference.target(start_m)[3:] == reference.at(start_m)[5:8] + (reference.at(start_m).phase,)
+        assert reference.target(start_m)[3:] == (*reference.at(start_m)[5:8], reference.at(start_m).phase)
