@@ -189,14 +189,17 @@ def section() -> str:
     flown_s = FLOWN_S + flight.lead_in_s
     return "\n\n".join(
         [
+            "To reach: the loop without recorders at most 1.3 times `run()` alone; with both recorders 1,200 "
+            "times real time, and at most 30 % more than without; 120 MB of MCAP and 150 MB of Rerun for 18 "
+            "hours; reading 4 times faster.",
             f"{FLOWN_S / 60.0:.0f} minutes of `ian`, {flight.simulation_hz:g} Hz, guidance and samples at "
             f"{flight.guidance_hz} Hz, on one core; the least of {ROUNDS} rounds.",
             ratios(least_s, flown_s),
             f"18 hours take {least_s[BOTH] * WHOLE_S / flown_s:.0f} s with both recorders, which add "
             f"{least_s[BOTH] / least_s[LOOP] - 1.0:.0%} to the flight without; they leave "
             f"{measured.mcap_mb:.0f} MB of MCAP and {measured.rrd_mb:.0f} MB of Rerun. Reading the state "
-            f"into columns, whole recording and all, is {measured.read_ratio:.1f} times faster than iterating it "
-            "with mcap's reader, without decoding a message.",
+            f"into columns, whole recording and all, is {measured.read_ratio:.1f} times faster than "
+            "iterating it with mcap's reader, without decoding a message.",
             "Where the time goes, for each round of guidance (0.1 s of flight):",
             where(least_s, parts, flown_s * flight.guidance_hz),
         ]
