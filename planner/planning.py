@@ -19,6 +19,8 @@ from planner.score import Weights
 from planner.staged import Blocked, GoalRoutes, StagedProblem, search
 from planner.windfield import WindField
 
+OBJECTIVES = ("earliest", "score")
+
 
 @dataclass(frozen=True, slots=True)
 class Place:
@@ -39,9 +41,11 @@ class PlanningRequest:
     """What the staged planner is asked.
 
     `objective`: which arrival the route takes, "earliest" or "score". `corridor_m`: half width of the room
-    kept below the threshold around every move. The airspeeds are the aircraft's envelope. Only the wind-aware
-    planner uses `cruise_mps`, the true airspeed on its legs (None: in the middle of the envelope), and
-    `wait_min_s`, the shortest wait that can be flown as a loiter.
+    kept below the threshold around every move. The airspeeds are the aircraft's envelope.
+    `forecast_error_mps`: standard deviation of the forecast's wind speed, 0 if it is taken as right;
+    `abstain_below`: the least chance to survive. Only the wind-aware planner uses `cruise_mps`, the true
+    airspeed on its legs (None: in the middle of the envelope), and `wait_min_s`, the shortest wait that can
+    be flown as a loiter.
     """
 
     start: Place
@@ -57,6 +61,8 @@ class PlanningRequest:
     weights: Weights = Weights()  # noqa: RUF009 - frozen
     cruise_mps: float | None = None
     wait_min_s: float = 120.0
+    forecast_error_mps: float = 0.0
+    abstain_below: float = 0.0
 
 
 def plan_staged(wind: WindField, request: PlanningRequest) -> Plan:
@@ -70,10 +76,15 @@ def plan_staged(wind: WindField, request: PlanningRequest) -> Plan:
         The plan to `request.goal`, without waypoints where it cannot be reached, and every goal's outcome.
 
     Raises:
-        PlannerError: if the goal is not one of the goals, or a position lies off the grid.
+        PlannerError: if the goal is not one of the goals, a position lies off the grid, or the objective is
+            not one of this planner's.
     """
     if request.goal not in (goal.name for goal in request.goals):
         raise PlannerError(f"no goal is named {request.goal!r}; there are {_names(request.goals)}")
+    if request.objective not in OBJECTIVES:
+        raise PlannerError(
+            f"the staged planner has no objective {request.objective!r}; choose {' or '.join(OBJECTIVES)}"
+        )
     grid, clock = wind.grid, request.clock
     problem = staged_problem(wind, request)
     found = _search(

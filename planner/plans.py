@@ -29,7 +29,12 @@ class Waypoint:
 
 @dataclass(frozen=True, slots=True)
 class GoalOutcome:
-    """What the sweep found for one goal: times since departure, or the reason why there is no route."""
+    """What the sweep found for one goal: times since departure, or the reason why there is no route.
+
+    `survival`: the chance that no step of the route meets hazard, where the forecast has an error;
+    `members_survived` of `members`: the same counted in an ensemble. `abstained`: the chance lies below the
+    level asked for, so the route is shown but not to be flown.
+    """
 
     name: str
     lat_deg: float
@@ -42,6 +47,10 @@ class GoalOutcome:
     waiting_s: float | None = None
     score: float | None = None
     min_clearance_m: float | None = None
+    survival: float | None = None
+    members_survived: int | None = None
+    members: int | None = None
+    abstained: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +58,7 @@ class Plan:
     """A route to `goal`, empty where it cannot be reached, beside the outcome of each goal.
 
     `departure_s`: seconds since 1970-01-01 UTC. `objective`: which of a goal's arrivals the route takes,
-    "earliest" or "score".
+    "earliest", "score", "survival" or "fuel".
     """
 
     planner: str

@@ -76,6 +76,8 @@ def planning_request(scenario: Scenario, aircraft: JsbsimAircraft) -> PlanningRe
         airspeed_min_mps=envelope.airspeed_min_mps + table.airspeed_margin_mps,
         airspeed_max_mps=envelope.airspeed_max_mps - table.airspeed_margin_mps,
         objective=table.objective,
+        forecast_error_mps=scenario.hazard.forecast_error_mps,
+        abstain_below=table.abstain_below,
         cruise_mps=envelope.cruise_mps,
         weights=Weights(table.alpha, table.beta, table.gamma, table.delta, table.clearance_cap_cells),
     )

@@ -108,6 +108,8 @@ def test_cells_that_cannot_be_flown_in_a_step_are_refused(step_s, word):
 
 
 def test_bad_requests():
+    with pytest.raises(PlannerError, match="no objective 'fuel'; choose earliest or score"):
+        plan_staged(wind(), replace(REQUEST, objective="fuel"))
     with pytest.raises(PlannerError, match="'nowhere'; there are near, far"):
         plan_staged(wind(), replace(REQUEST, goal="nowhere"))
     with pytest.raises(OutsideGridError, match="goal away"):
