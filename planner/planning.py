@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.consumption import FuelFlow
 from planner.errors import PlannerError
 from planner.grid import Grid, geodesic_m
 from planner.ground import Cell, Occupancy
@@ -45,7 +46,7 @@ class PlanningRequest:
     `forecast_error_mps`: standard deviation of the forecast's wind speed, 0 if it is taken as right;
     `abstain_below`: the least chance to survive. Only the wind-aware planner uses `cruise_mps`, the true
     airspeed on its legs (None: in the middle of the envelope), and `wait_min_s`, the shortest wait that can
-    be flown as a loiter.
+    be flown as a loiter. `fuel_flow`: the aircraft's consumption at the altitude, which "fuel" needs.
     """
 
     start: Place
@@ -63,6 +64,7 @@ class PlanningRequest:
     wait_min_s: float = 120.0
     forecast_error_mps: float = 0.0
     abstain_below: float = 0.0
+    fuel_flow: FuelFlow | None = None
 
 
 def plan_staged(wind: WindField, request: PlanningRequest) -> Plan:

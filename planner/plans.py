@@ -31,6 +31,7 @@ class Waypoint:
 class GoalOutcome:
     """What the sweep found for one goal: times since departure, or the reason why there is no route.
 
+    `fuel_kg`: what the way burns by the aircraft's measured consumption, where that was given.
     `survival`: the chance that no step of the route meets hazard, where the forecast has an error;
     `members_survived` of `members`: the same counted in an ensemble. `abstained`: the chance lies below the
     level asked for, so the route is shown but not to be flown.
@@ -47,6 +48,7 @@ class GoalOutcome:
     waiting_s: float | None = None
     score: float | None = None
     min_clearance_m: float | None = None
+    fuel_kg: float | None = None
     survival: float | None = None
     members_survived: int | None = None
     members: int | None = None
