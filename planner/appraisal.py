@@ -27,8 +27,11 @@ from planner.windfield import FieldArray, Floats
 
 Legs = Sequence[Leg]
 
-_ENOUGH_SCORE = 0.01
-_ENOUGH_RISK = 1e-5
+_ENOUGH_SCORE = 0.005
+_ENOUGH_RISK = 1e-3
+_ENOUGH_RISK_SHARE = 0.01
+_RISK_OF_A_STEP = 1e-8  # so that of equally safe ways the earlier is taken
+_TURN_RISK = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +101,7 @@ class Appraisal:
         return -over_way(self.risk, self.country, legs) / self.request.clock.step_s
 
     def fuel_kg(self, legs: Legs) -> float | None:
-        """What is burned on the legs at their airspeeds and on the waits at the loiter's, if that is known."""
+        """What is burned on the legs at their airspeeds and on waits at the loiter's, if that is known."""
         flow = self.request.fuel_flow
         if flow is None:
             return None
@@ -116,8 +119,9 @@ class Appraisal:
         """
         step_s = self.request.clock.step_s
         if objective == "survival":
-            per_s = 1e-3 * _ENOUGH_RISK / step_s  # of equally safe ways the earlier
-            return Price(per_s, rate=self.risk / step_s, per_turn=_ENOUGH_RISK, enough=_ENOUGH_RISK)
+            per_s = _RISK_OF_A_STEP / step_s
+            rate = self.risk / step_s
+            return Price(per_s, 0.0, rate, _TURN_RISK, _ENOUGH_RISK, _ENOUGH_RISK_SHARE)
         weights, steps = self.request.weights, max(_arrival_s(legs) / step_s, 1.0)
         per_s = (weights.delta + weights.beta * self.mean_clearance(legs) / steps) / step_s
         return Price(

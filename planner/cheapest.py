@@ -26,6 +26,8 @@ from planner.price import Price, framed
 from planner.way import Cell, Node
 from planner.windfield import Floats
 
+_APART_S = 600.0  # a label that comes sooner after the one before has to be better by more
+
 
 @dataclass(frozen=True, eq=False)
 class Arrivals:
@@ -83,7 +85,14 @@ class _Batch(NamedTuple):
     leave_s: Floats
 
     def part(self, which: NDArray[np.bool_] | Ints) -> _Batch:
-        return _Batch(*(values[which] for values in self))
+        return _Batch(
+            self.place[which],
+            self.time_s[which],
+            self.integral[which],
+            self.length_m[which],
+            self.parent[which],
+            self.leave_s[which],
+        )
 
 
 def sweep(
@@ -218,8 +227,11 @@ class _Spread:
         since_s = self.time_s[place]
         known = np.isfinite(since_s)
         waited_s = time_s - np.where(known, since_s, 0.0)
-        value = self.integral[place] + self.price.per_m * self.length_m[place] - self.price.enough
-        return np.where(known, value + self.rate[self.edges.stage][place] * waited_s, np.inf)
+        value = self.integral[place] + self.price.per_m * self.length_m[place]
+        value += self.rate[self.edges.stage][place] * waited_s
+        enough = self.price.enough + self.price.enough_share * np.abs(value)
+        enough *= np.maximum(_APART_S / np.maximum(waited_s, 1.0), 1.0)
+        return np.where(known, value - enough, np.inf)
 
     def found(self) -> Cheapest:
         """Everything that was settled."""

@@ -117,7 +117,7 @@ class _Front(Edges):
     def relax(self, states: Ints, moves: Ints, depart_s: Floats, span: int) -> Ints:
         """Make moves; the states that were reached for the first time come back."""
         intervals = self.problem.intervals
-        source = intervals.place[states]
+        source = intervals.place[states].astype(np.intp)
         arrive_s = self.fly(source, moves, depart_s, span)
         state = intervals.run[self.stage][source + self.shift[moves]]
         before_s = self.arrive_s[state]

@@ -163,7 +163,8 @@ class _Blend:
         moved = np.nonzero(first != self.first)
         if moved[0].size:
             self._read(moved, first[moved])
-        return self.wind_mps + (place - first) * self.change_mps
+        wind_mps: NDArray[np.complex128] = self.wind_mps + (place - first) * self.change_mps
+        return wind_mps
 
     def _read(self, where: tuple[NDArray[np.intp], ...], first: Ints) -> None:
         """Take over the wind of the span of time that some places have come into."""

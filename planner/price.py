@@ -25,7 +25,7 @@ class Price:
 
     `per_s`: of a second anywhere. `per_m`: of a true metre flown. `rate`: besides, of a second in each cell,
     shape [stage, north, east], None for none. `per_turn`: of another leg. `enough`: prices that differ by no
-    more are the same.
+    more, or by no more than `enough_share` of themselves, are the same to a search.
     """
 
     per_s: float
@@ -33,6 +33,7 @@ class Price:
     rate: Floats | None = None
     per_turn: float = 0.0
     enough: float = 0.0
+    enough_share: float = 0.0
 
     def of_legs(self, country: Country, legs: Legs, time_s: Floats) -> Floats:
         """The price of each leg flown at such times, shape (legs,), infinite where they are."""

@@ -23,6 +23,7 @@ from planner.windfield import Floats
 
 _SKIPS = np.array([1, 2, 3, 4, 6, 9, 14, 22, 32])
 _NEXT = np.arange(1, 10)  # as far as the next corner with what lies around it
+_ROUNDING = 1e-9
 _AROUND = 2  # nodes of the way to either side of a corner that the last round tries instead of it
 
 
@@ -80,7 +81,7 @@ def straighten(
     for around, skips in ((0, _SKIPS), (_AROUND, _NEXT)):
         nodes = _nodes_around(best, around, len(way) - 1)
         found = network.cheapest(_departures_of(best, len(way)), nodes, skips, price.per_turn)
-        if found and found.price <= best.price:
+        if found and found.price <= best.price + _ROUNDING * abs(best.price):
             best = found
     return [leg for _, leg in best.kept if leg]
 
@@ -153,7 +154,7 @@ class _Network:
         return _Legs([(nodes[0], None), *reversed(kept)], float(cost[last]) - per_turn * len(kept))
 
     def _legs(self, node: int, to: Ints, depart_s: float) -> tuple[Floats, Floats]:
-        """When legs to other nodes end, and their price; infinite where they are not safe, or the node is not."""
+        """When legs to other nodes end, and their price; infinite where legs or nodes are not safe."""
         end_s, price = np.full((2, *to.shape), np.inf)
         other = np.flatnonzero((self.rows[to] != self.rows[node]) | (self.columns[to] != self.columns[node]))
         to = to[other]

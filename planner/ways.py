@@ -169,9 +169,9 @@ class WaySearch:
     def _thriftiest(self, ways: Sequence[Way]) -> list[Way]:
         """The ways that burn least, of the earliest ways at one airspeed after the other, slowest first.
 
-        At one airspeed what burns least is what arrives first. Faster ways are tried as long as they burn less
-        to any goal, the cruise's always; each is then slowed down before waits, and its legs flown at their
-        own best airspeeds.
+        At one airspeed what burns least is what arrives first. Faster ways are tried as long as they burn
+        less to any goal, the cruise's always; each is then slowed down before waits, and its legs flown at
+        their own best airspeeds.
         """
         low_mps, high_mps = self.request.airspeed_min_mps, self.request.airspeed_max_mps
         best = [self._thrifty(way) for way in ways]
