@@ -147,6 +147,7 @@ class _Spread:
         self.problem, self.price, self.most = problem, price, most
         self.edges = Edges(problem)
         self.rate = framed(price.rate, MARGIN)
+        until_s = np.minimum(until_s, problem.air.time_s[-1])
         self.until_s = framed(until_s[np.newaxis], MARGIN)[0]
         places = self.until_s.size
         self.time_s = np.full(places, np.inf)
@@ -187,9 +188,11 @@ class _Spread:
         """Keep the best arrival of a bucket in each place, if it is better than waiting; all its moves."""
         place = batch.place
         rate = self.rate[self.edges.stage][place]
-        value = batch.integral + rate * (end_s - batch.time_s) + self.price.per_m * batch.length_m
-        np.minimum.at(self.least, place, value)
-        won = np.flatnonzero((value == self.least[place]) & (value < self._held(place, end_s)))
+        left_s = end_s - batch.time_s
+        value = batch.integral + rate * left_s + self.price.per_m * batch.length_m
+        ranked = value - self.price.enough * (left_s / _APART_S)  # of equal ones the earliest
+        np.minimum.at(self.least, place, ranked)
+        won = np.flatnonzero((ranked == self.least[place]) & (value < self._held(place, end_s)))
         self.least[place] = np.inf
         won = won[np.unique(place[won], return_index=True)[1]]
         best = batch.part(won)
