@@ -257,6 +257,22 @@ class JsbsimAircraft:
         """Fuel left [kg]."""
         return self.get(Property.FUEL)
 
+    def level_fuel_flow_kgps(self, airspeed_mps: float, altitude_m: float) -> float:
+        """What the engine burns in trimmed level flight [kg/s], at the equator in still air.
+
+        Raises:
+            ModelError: if the model cannot fly level at this airspeed and altitude.
+        """
+        self.start(
+            lat_rad=0.0,
+            lon_rad=0.0,
+            altitude_m=altitude_m,
+            heading_rad=0.0,
+            airspeed_mps=airspeed_mps,
+            time_s=0.0,
+        )
+        return self.get(Property.FUEL_FLOW)
+
     def is_finite(self) -> bool:
         """False once a quantity has become infinite or not a number, which JSBSim does not tell."""
         return math.isfinite(self._lat_rad() + self._lon_rad() + self._altitude_ft() + self._airspeed_fps())
