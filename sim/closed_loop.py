@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from itertools import count
 
 from aircraft.guidance import Guidance, Progress
+from aircraft.instruments import Instruments
 from aircraft.jsbsim_aircraft import JsbsimAircraft
 from aircraft.path import Phase
 from aircraft.state import FlightState
@@ -31,6 +32,7 @@ class FlightSetup:
     header: FlightHeader
     aircraft: JsbsimAircraft
     guidance: Guidance
+    instruments: Instruments
     truth: WindField
     sheets: tuple[WeatherSheet, ...]
     guidance_hz: int
@@ -66,7 +68,7 @@ def fly(setup: FlightSetup, recorder: Recorder, on_time: Callable[[float], objec
 
 
 def _loop(setup: FlightSetup, recorder: Recorder, on_time: Callable[[float], object]) -> End:
-    aircraft, frame = setup.aircraft, setup.header.grid.frame
+    aircraft, frame, instruments = setup.aircraft, setup.header.grid.frame, setup.instruments
     probe, departure_s = setup.truth.probe(), setup.header.plan.departure_s
     steps, step_s = round(aircraft.rate_hz / setup.guidance_hz), 1.0 / aircraft.rate_hz
     sheets, phase = deque(setup.sheets), Phase.LEAD_IN
@@ -77,13 +79,16 @@ def _loop(setup: FlightSetup, recorder: Recorder, on_time: Callable[[float], obj
         state = aircraft.state()
         if not all(map(math.isfinite, state)):
             return _not_finite(time_s, state)
-        north_m, east_m = frame.to_plane(state.lat_rad, state.lon_rad)
-        scale = frame.scale(state.lat_rad)
+        seen = instruments.see(state)
+        north_m, east_m = frame.to_plane(seen.lat_rad, seen.lon_rad)
+        scale = frame.scale(seen.lat_rad)
         command, progress = setup.guidance.update(
-            state, north_m, east_m, scale, state.wind_north_mps, state.wind_east_mps
+            seen, north_m, east_m, scale, seen.wind_north_mps, seen.wind_east_mps
         )
-        aircraft.command(command)
+        aircraft.command(instruments.shift(command, state, seen))
         recorder.sample(state, GuidanceSample(*progress, command))
+        if seen is not state:
+            recorder.estimate(seen)
         if progress.phase != phase:
             _tell(recorder, time_s, phase, Phase(progress.phase))
             phase = Phase(progress.phase)

@@ -7,8 +7,10 @@ import math
 import numpy as np
 
 from aircraft.guidance import Guidance
+from aircraft.instruments import GpsInstruments, Instruments, PerfectInstruments
 from aircraft.jsbsim_aircraft import JsbsimAircraft, Turbulence
 from aircraft.reference import PathPoint, Reference
+from aircraft.sensors import SensorClass, Sensors
 from planner.hazards import StageClock, hazard_stages
 from planner.planning import Place, PlanningRequest, plan_staged
 from planner.plans import Plan
@@ -42,6 +44,13 @@ def make_aircraft(scenario: Scenario) -> JsbsimAircraft:
             f"{ceiling_m:.0f} m; fly lower or with another aircraft"
         )
     return aircraft
+
+
+def make_instruments(scenario: Scenario) -> Instruments:
+    """What guidance sees the flight through."""
+    if scenario.flight.sensors == "gps":
+        return GpsInstruments(Sensors(SensorClass(), scenario.seed))
+    return PerfectInstruments()
 
 
 def make_clock(scenario: Scenario) -> StageClock:
@@ -131,6 +140,7 @@ def prepare_flight(
         header=header,
         aircraft=aircraft,
         guidance=Guidance(reference, envelope),
+        instruments=make_instruments(scenario),
         truth=weather.truth,
         sheets=weather_sheets(scenario, weather),
         guidance_hz=scenario.flight.guidance_hz,
