@@ -1,10 +1,10 @@
 """Position, altitude and velocity from the sensors: accelerometers carried forward, corrected by each fix.
 
-One Kalman filter an axis, with constant gains: those that it would settle at (the discrete algebraic Riccati
-equation; Gelb, *Applied Optimal Estimation*, 1974, chapter 4). Horizontal axes have position, velocity and the
-accelerometer's slow error as states, the vertical one the barometer's offset as well. A fix is of the past: it
-is compared with what was believed then, and the difference is added to what is believed now. That is right as
-long as a fix is known before the next one is taken.
+One Kalman filter an axis, with constant gains: those that it would settle at (the discrete algebraic
+Riccati equation; Gelb, *Applied Optimal Estimation*, 1974, chapter 4). Horizontal axes have position,
+velocity and the accelerometer's slow error as states, the vertical one the barometer's offset as well. A fix
+is of the past: it is compared with what was believed then, and the difference is added to what is believed
+now. That is right as long as a fix is known before the next one is taken.
 
 The slow error of the fixes is no state: nothing on board could tell it from a movement.
 """
@@ -43,8 +43,8 @@ class SteadyGains(NamedTuple):
     """The settled Kalman filter of one axis.
 
     `gain`: [state, measurement]; states are position, velocity, accelerometer error (and barometer offset),
-    measurements the position and the velocity of a fix (and the barometer). `covariance`: [state, state], after
-    a fix.
+    measurements the position and the velocity of a fix (and the barometer). `covariance`: [state, state],
+    after a fix.
     """
 
     gain: Floats
@@ -57,8 +57,6 @@ class Estimator:
     def __init__(self, figures: SensorClass) -> None:
         self.horizontal = horizontal_gains(figures)
         self.vertical = vertical_gains(figures)
-        self._level_gain: list[list[float]] = self.horizontal.gain.tolist()
-        self._upright_gain: list[list[float]] = self.vertical.gain.tolist()
         self._believed: deque[Motion] = deque()
         self._north_mps2 = self._east_mps2 = self._down_mps2 = 0.0
         self._barometer_offset_m = 0.0
@@ -115,18 +113,17 @@ class Estimator:
     def _corrected(self, now: Motion, fix: Fix) -> Motion:
         then = self._believed_at(fix.time_s)
         north_radii_m, east_radii_m = radii_m(now.lat_rad, now.altitude_m)
-        north_m, north_mps, north_mps2 = _product(
-            self._level_gain, (fix.lat_rad - then.lat_rad) * north_radii_m, fix.north_mps - then.north_mps
-        )
-        east_m, east_mps, east_mps2 = _product(
-            self._level_gain, (fix.lon_rad - then.lon_rad) * east_radii_m, fix.east_mps - then.east_mps
-        )
-        down_m, down_mps, down_mps2, offset_m = _product(
-            self._upright_gain,
+        off_north = ((fix.lat_rad - then.lat_rad) * north_radii_m, fix.north_mps - then.north_mps)
+        off_east = ((fix.lon_rad - then.lon_rad) * east_radii_m, fix.east_mps - then.east_mps)
+        barometer_m = then.barometer_m - self._barometer_offset_m
+        off_down = (
             then.altitude_m - fix.altitude_m,
             fix.down_mps - then.down_mps,
-            then.altitude_m - (then.barometer_m - self._barometer_offset_m),
+            then.altitude_m - barometer_m,
         )
+        north_m, north_mps, north_mps2 = (self.horizontal.gain @ off_north).tolist()
+        east_m, east_mps, east_mps2 = (self.horizontal.gain @ off_east).tolist()
+        down_m, down_mps, down_mps2, offset_m = (self.vertical.gain @ off_down).tolist()
         self._north_mps2 += north_mps2
         self._east_mps2 += east_mps2
         self._down_mps2 += down_mps2
@@ -152,26 +149,26 @@ class Estimator:
 
 def horizontal_gains(figures: SensorClass) -> SteadyGains:
     """Of the north and of the east axis; the accelerometers' slow error is gravity's, through the tilt."""
-    slow_mps2 = GRAVITY_MPS2 * figures.tilt_rms
+    slow_mps2 = GRAVITY_MPS2 * figures.tilt_rms_rad
     transition, drive = _kinematics(figures, slow_mps2)
     measured = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-    noise = np.diag([figures.position_noise_rms**2, figures.velocity_noise_rms**2])
+    noise = np.diag([figures.position_noise_m**2, figures.velocity_noise_mps**2])
     return _settled(transition, drive, measured, noise)
 
 
 def vertical_gains(figures: SensorClass) -> SteadyGains:
     """Of the vertical axis, down; the barometer's offset is down, too: what it reads too little."""
     transition, drive = np.eye(4), np.zeros((4, 4))
-    transition[:3, :3], drive[:3, :3] = _kinematics(figures, figures.accelerometer_rms)
-    drive[3, 3] = figures.barometer_rate_rms**2 * _DRIFTING_S * figures.fix_interval_s
+    transition[:3, :3], drive[:3, :3] = _kinematics(figures, figures.accelerometer_rms_mps2)
+    drive[3, 3] = figures.barometer_rate_rms_mps**2 * _DRIFTING_S * figures.fix_interval_s
     measured = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 1.0]])
-    rms = (figures.height_noise_rms, figures.climb_noise_rms, figures.barometer_noise_rms)
+    rms = (figures.height_noise_m, figures.climb_noise_mps, figures.barometer_noise_m)
     return _settled(transition, drive, measured, np.diag(np.square(rms)))
 
 
 def _kinematics(figures: SensorClass, slow_mps2: float) -> tuple[Floats, Floats]:
     """Transition and process noise of position, velocity and accelerometer error, from fix to fix."""
-    step_s, walk = figures.fix_interval_s, figures.accelerometer_noise**2
+    step_s, walk = figures.fix_interval_s, figures.velocity_walk_mps**2
     decay = math.exp(-step_s / figures.tilt_correlation_s)
     transition = np.array([[1.0, step_s, -0.5 * step_s**2], [0.0, 1.0, -step_s], [0.0, 0.0, decay]])
     drive = np.zeros((3, 3))
@@ -185,7 +182,3 @@ def _settled(transition: Floats, drive: Floats, measured: Floats, noise: Floats)
     gain = before @ measured.T @ np.linalg.inv(measured @ before @ measured.T + noise)
     covariance = (np.eye(len(before)) - gain @ measured) @ before
     return SteadyGains(gain, 0.5 * (covariance + covariance.T))
-
-
-def _product(gain: list[list[float]], *innovations: float) -> list[float]:
-    return [sum(map(float.__mul__, row, innovations)) for row in gain]

@@ -1,8 +1,8 @@
 """Between the aircraft and its guidance: what guidance sees of the flight, and what its commands become.
 
-Perfect instruments show the truth. Those of a real aircraft show what sensors and estimators make of it; and its
-inner loops, which here are JSBSim's and hold true bank, airspeed, altitude and climb, would hold the measured
-ones. So each command is shifted by truth minus what is seen:
+Perfect instruments show the truth. Those of a real aircraft show what sensors and estimators make of it; and
+its inner loops, which here are JSBSim's and hold true bank, airspeed, altitude and climb, would hold the
+measured ones. So each command is shifted by truth minus what is seen:
 
     truth  =  command + (truth - seen)    is reached where    seen  =  command
 
@@ -44,7 +44,7 @@ class PerfectInstruments:
 class GpsInstruments:
     """Sensors of one class, with estimators that know its figures.
 
-    Until the first fix, some tenths of a second, the truth is seen: the aircraft has not just been switched on.
+    Until the first fix, some tenths of a second, the truth is seen: no flight begins with switching on.
     Seen are position, velocity, attitude, airspeed (calibrated by the estimator) and wind; angular rates,
     control surfaces and fuel are as they are.
     """

@@ -1,9 +1,9 @@
 """What the aircraft's sensors say of its true state: bias, slow drift, noise, rate and lag of a stated class.
 
-The class is that of a small UAV's autopilot: a single-frequency GNSS receiver with SBAS corrections under open
-sky, a MEMS attitude and heading reference, a pitot-static tube and a barometer. Each error is white noise, a
-constant of the flight, or a first-order Gauss-Markov process (Rankin, *An error model for sensor simulation:
-GPS and differential GPS*, 1994; Beard & McLain, *Small Unmanned Aircraft*, chapter 7):
+The class is that of a small UAV's autopilot: a single-frequency GNSS receiver with SBAS corrections under
+open sky, a MEMS attitude and heading reference, a pitot-static tube and a barometer. Each error is white
+noise, a constant of the flight, or a first-order Gauss-Markov process (Rankin, *An error model for sensor
+simulation: GPS and differential GPS*, 1994; Beard & McLain, *Small Unmanned Aircraft*, chapter 7):
 
     e[k + 1] = exp(-T / tau) e[k] + rms sqrt(1 - exp(-2 T / tau)) w[k],    w ~ N(0, 1)
 
@@ -29,60 +29,62 @@ _SLACK_S = 1e-6  # of times that should be whole multiples of the fix interval
 
 @dataclass(frozen=True, slots=True)
 class SensorClass:
-    """Figures of one class of sensors; all `_rms` are of one axis, one standard deviation.
+    """Figures of one class of sensors, each one standard deviation of one axis.
+
+    Slow errors (`_rms_`) are Gauss-Markov processes with the correlation time that follows them, or constant
+    in a flight where there is none; noise is white, a new value at every reading.
 
     Attributes:
         fix_interval_s: from one fix of the GNSS receiver to the next.
         fix_latency_s: from the moment of a fix until it is known.
-        position_rms: of the slow error of a fix's horizontal position [m].
-        height_rms: of the slow error of its height [m].
-        fix_correlation_s: correlation time of both.
-        position_noise_rms: white, horizontal [m].
-        height_noise_rms: white [m].
-        velocity_noise_rms: white, horizontal [m/s].
-        climb_noise_rms: white [m/s].
-        tilt_rms: of roll and of pitch, slow [rad].
-        tilt_correlation_s: its correlation time.
-        heading_rms: slow [rad].
-        heading_correlation_s: its correlation time.
-        attitude_noise_rms: white, of roll, pitch and heading [rad].
-        accelerometer_noise: random walk of velocity [m/s per root second]; the slow error is gravity's, through
-            the tilt.
-        accelerometer_rms: slow error of the vertical accelerometer [m/s^2].
-        airspeed_scale_rms: constant, relative.
-        airspeed_offset_rms: constant [m/s].
-        airspeed_noise_rms: white [m/s].
+        position_rms_m: horizontal position of a fix.
+        height_rms_m: its height.
+        fix_correlation_s: of both.
+        position_noise_m: horizontal position of a fix.
+        height_noise_m: its height.
+        velocity_noise_mps: its horizontal velocity.
+        climb_noise_mps: its vertical velocity.
+        tilt_rms_rad: roll and pitch; through gravity, it is also the slow error of the level accelerometers.
+        tilt_correlation_s: of that, and of the vertical accelerometer's.
+        heading_rms_rad: heading.
+        heading_correlation_s: of that.
+        attitude_noise_rad: roll, pitch and heading.
+        velocity_walk_mps: what the accelerometers' noise adds up to in one second; grows as its root.
+        accelerometer_rms_mps2: the vertical accelerometer.
+        airspeed_scale_rms: factor of the airspeed, relative, constant.
+        airspeed_offset_rms_mps: constant.
+        airspeed_noise_mps: airspeed.
         airspeed_lag_s: time constant of the tube and its filter.
-        barometer_offset_rms: constant [m].
-        barometer_rate_rms: slow change of that [m/s].
-        barometer_correlation_s: correlation time of the change.
-        barometer_noise_rms: white [m].
+        barometer_offset_rms_m: when the flight begins.
+        barometer_rate_rms_mps: speed at which that changes.
+        barometer_correlation_s: of that speed.
+        barometer_noise_m: barometric altitude.
     """
 
     fix_interval_s: float = 0.2
     fix_latency_s: float = 0.12
-    position_rms: float = 0.434
-    height_rms: float = 0.913
+    position_rms_m: float = 0.434
+    height_rms_m: float = 0.913
     fix_correlation_s: float = 300.0
-    position_noise_rms: float = 0.1
-    height_noise_rms: float = 0.15
-    velocity_noise_rms: float = 0.05
-    climb_noise_rms: float = 0.08
-    tilt_rms: float = math.radians(0.5)
+    position_noise_m: float = 0.1
+    height_noise_m: float = 0.15
+    velocity_noise_mps: float = 0.05
+    climb_noise_mps: float = 0.08
+    tilt_rms_rad: float = math.radians(0.5)
     tilt_correlation_s: float = 60.0
-    heading_rms: float = math.radians(2.0)
+    heading_rms_rad: float = math.radians(2.0)
     heading_correlation_s: float = 600.0
-    attitude_noise_rms: float = math.radians(0.1)
-    accelerometer_noise: float = 0.02
-    accelerometer_rms: float = 0.05
+    attitude_noise_rad: float = math.radians(0.1)
+    velocity_walk_mps: float = 0.02
+    accelerometer_rms_mps2: float = 0.05
     airspeed_scale_rms: float = 0.02
-    airspeed_offset_rms: float = 0.3
-    airspeed_noise_rms: float = 0.2
+    airspeed_offset_rms_mps: float = 0.3
+    airspeed_noise_mps: float = 0.2
     airspeed_lag_s: float = 0.15
-    barometer_offset_rms: float = 8.0
-    barometer_rate_rms: float = 0.006
+    barometer_offset_rms_m: float = 8.0
+    barometer_rate_rms_mps: float = 0.006
     barometer_correlation_s: float = 3600.0
-    barometer_noise_rms: float = 0.3
+    barometer_noise_m: float = 0.3
 
 
 class Fix(NamedTuple):
@@ -142,18 +144,18 @@ class Sensors:
         self.figures = figures
         self._normals = normals = _normals(seed)
         self._scale = 1.0 + figures.airspeed_scale_rms * next(normals)
-        self._airspeed_offset_mps = figures.airspeed_offset_rms * next(normals)
-        self._barometer_offset_m = figures.barometer_offset_rms * next(normals)
+        self._airspeed_offset_mps = figures.airspeed_offset_rms_mps * next(normals)
+        self._barometer_offset_m = figures.barometer_offset_rms_m * next(normals)
         self._barometer_rate = GaussMarkov(
-            figures.barometer_rate_rms, figures.barometer_correlation_s, normals
+            figures.barometer_rate_rms_mps, figures.barometer_correlation_s, normals
         )
-        self._north = GaussMarkov(figures.position_rms, figures.fix_correlation_s, normals)
-        self._east = GaussMarkov(figures.position_rms, figures.fix_correlation_s, normals)
-        self._height = GaussMarkov(figures.height_rms, figures.fix_correlation_s, normals)
-        self._roll = GaussMarkov(figures.tilt_rms, figures.tilt_correlation_s, normals)
-        self._pitch = GaussMarkov(figures.tilt_rms, figures.tilt_correlation_s, normals)
-        self._heading = GaussMarkov(figures.heading_rms, figures.heading_correlation_s, normals)
-        self._down = GaussMarkov(figures.accelerometer_rms, figures.tilt_correlation_s, normals)
+        self._north = GaussMarkov(figures.position_rms_m, figures.fix_correlation_s, normals)
+        self._east = GaussMarkov(figures.position_rms_m, figures.fix_correlation_s, normals)
+        self._height = GaussMarkov(figures.height_rms_m, figures.fix_correlation_s, normals)
+        self._roll = GaussMarkov(figures.tilt_rms_rad, figures.tilt_correlation_s, normals)
+        self._pitch = GaussMarkov(figures.tilt_rms_rad, figures.tilt_correlation_s, normals)
+        self._heading = GaussMarkov(figures.heading_rms_rad, figures.heading_correlation_s, normals)
+        self._down = GaussMarkov(figures.accelerometer_rms_mps2, figures.tilt_correlation_s, normals)
         self._last: FlightState | None = None
         self._next_fix_s = -math.inf
         self._fix_s: float | None = None
@@ -174,7 +176,7 @@ class Sensors:
         # attitude is what gravity is taken out with: a tilt is an acceleration, g times it
         ahead_mps, right_mps = -GRAVITY_MPS2 * pitch * step_s, GRAVITY_MPS2 * roll * step_s
         cosine, sine = math.cos(truth.heading_rad), math.sin(truth.heading_rad)
-        noise_mps = figures.accelerometer_noise * math.sqrt(step_s)
+        noise_mps = figures.velocity_walk_mps * math.sqrt(step_s)
         north_mps, east_mps = truth.north_mps - last.north_mps, truth.east_mps - last.east_mps
         gained_north = north_mps - heading * east_mps + ahead_mps * cosine - right_mps * sine
         gained_east = east_mps + heading * north_mps + ahead_mps * sine + right_mps * cosine
@@ -183,7 +185,7 @@ class Sensors:
         share = 1.0 - math.exp(-step_s / figures.airspeed_lag_s)
         self._airspeed_mps += share * (truth.airspeed_mps - self._airspeed_mps)
         self._barometer_offset_m += self._barometer_rate.advance(step_s) * step_s
-        noise_rad = figures.attitude_noise_rms
+        noise_rad = figures.attitude_noise_rad
         return Readings(
             truth.time_s,
             gained_north + noise_mps * next(normals),
@@ -194,8 +196,8 @@ class Sensors:
             truth.heading_rad + heading + noise_rad * next(normals),
             self._scale * self._airspeed_mps
             + self._airspeed_offset_mps
-            + figures.airspeed_noise_rms * next(normals),
-            truth.altitude_m + self._barometer_offset_m + figures.barometer_noise_rms * next(normals),
+            + figures.airspeed_noise_mps * next(normals),
+            truth.altitude_m + self._barometer_offset_m + figures.barometer_noise_m * next(normals),
             self._fix(truth),
         )
 
@@ -213,19 +215,19 @@ class Sensors:
         figures, normals = self.figures, self._normals
         step_s = truth.time_s - self._fix_s if self._fix_s is not None else figures.fix_interval_s
         self._fix_s = truth.time_s
-        position_m = figures.position_noise_rms
+        position_m = figures.position_noise_m
         north_m = self._north.advance(step_s) + position_m * next(normals)
         east_m = self._east.advance(step_s) + position_m * next(normals)
-        height_m = self._height.advance(step_s) + figures.height_noise_rms * next(normals)
+        height_m = self._height.advance(step_s) + figures.height_noise_m * next(normals)
         north_radii_m, east_radii_m = radii_m(truth.lat_rad, truth.altitude_m)
         return Fix(
             truth.time_s,
             truth.lat_rad + north_m / north_radii_m,
             truth.lon_rad + east_m / east_radii_m,
             truth.altitude_m + height_m,
-            truth.north_mps + figures.velocity_noise_rms * next(normals),
-            truth.east_mps + figures.velocity_noise_rms * next(normals),
-            truth.down_mps + figures.climb_noise_rms * next(normals),
+            truth.north_mps + figures.velocity_noise_mps * next(normals),
+            truth.east_mps + figures.velocity_noise_mps * next(normals),
+            truth.down_mps + figures.climb_noise_mps * next(normals),
         )
 
 

@@ -1,15 +1,16 @@
 """The wind, from velocity over ground, airspeed and heading: an extended Kalman filter of four states.
 
 States are the wind north and east, the factor from the airspeed as read to the true one (Cho, Kim, Lee, Kee,
-*Wind estimation and airspeed calibration using a UAV with a single-antenna GPS and pitot tube*, 2011), and the
-heading's slow error. With v the velocity over ground, w the wind, sideslip taken as none (as PX4's wind estimator
-does), the two measurements are
+*Wind estimation and airspeed calibration using a UAV with a single-antenna GPS and pitot tube*, 2011), and
+the heading's slow error. With v the velocity over ground, w the wind, sideslip taken as none (as PX4's wind
+estimator does), the two measurements are
 
     airspeed as read   |v - w| / factor
     heading as read    atan2(v_east - w_east, v_north - w_north) + heading error
 
 On a straight leg the factor looks like wind along it and the heading's error like wind across; a turn tells
-them apart. Gusts are in what is measured and last for many rounds: they are taken as noise, enlarged for that.
+them apart. Gusts are in what is measured, and each lasts for many rounds: they are taken as noise, enlarged
+for that.
 """
 
 from __future__ import annotations
@@ -26,9 +27,9 @@ _INTERVAL_S = 1.0
 _WIND_UNKNOWN_MPS = 10.0
 _SETTLING_S = 30.0  # at first, all that was learnt about the wind is kept uncertain
 _SETTLING_MPS = 1.0  # per root second
-_WIND_CHANGE_MPS = 0.15  # per root second; a storm flown through at 30 m/s
-_GUST_MPS = 1.5
-_GUST_S = 10.0  # a gust is one measurement in so long, not one a round
+_WIND_CHANGE_MPS = 0.2  # per root second; a storm flown through at 30 m/s
+_GUST_MPS = 2.2
+_GUST_S = 40.0  # so long a gust stands for one measurement: twice its length of 530 m at 27 m/s
 _FACTOR_CHANGE = 1e-4  # per root second
 _SMOOTHING_S = 1.0  # what is told changes gradually between two rounds
 _TURN_RAD = 2.0 * math.pi
@@ -46,19 +47,19 @@ class WindEstimator:
     """Follows one flight; call `update` at every round of guidance."""
 
     def __init__(self, figures: SensorClass) -> None:
-        scale_rms = math.hypot(figures.airspeed_scale_rms, figures.airspeed_offset_rms / 25.0)
+        scale_rms = math.hypot(figures.airspeed_scale_rms, figures.airspeed_offset_rms_mps / 25.0)
         self.state = np.array([0.0, 0.0, 1.0, 0.0])
         self.covariance = np.diag(
-            [_WIND_UNKNOWN_MPS**2, _WIND_UNKNOWN_MPS**2, scale_rms**2, figures.heading_rms**2]
+            [_WIND_UNKNOWN_MPS**2, _WIND_UNKNOWN_MPS**2, scale_rms**2, figures.heading_rms_rad**2]
         )
-        self._heading_rms = figures.heading_rms
+        self._heading_rms_rad = figures.heading_rms_rad
         self._heading_decay = math.exp(-_INTERVAL_S / figures.heading_correlation_s)
         lasting = _GUST_S / _INTERVAL_S
         self._gust_variance = _GUST_MPS**2 * lasting
         self._noise = np.diag(
             [
-                figures.airspeed_noise_rms**2 + self._gust_variance,
-                figures.attitude_noise_rms**2,  # and the gusts' share, by airspeed
+                figures.airspeed_noise_mps**2 + self._gust_variance,
+                figures.attitude_noise_rad**2,  # and the gusts' share, by airspeed
             ]
         )
         self._begin_s: float | None = None
@@ -92,7 +93,7 @@ class WindEstimator:
         self.state[3] *= decay
         self.covariance[3, :] *= decay
         self.covariance[:, 3] *= decay
-        change = (wind, wind, _FACTOR_CHANGE**2 * _INTERVAL_S, self._heading_rms**2 * (1.0 - decay**2))
+        change = (wind, wind, _FACTOR_CHANGE**2 * _INTERVAL_S, self._heading_rms_rad**2 * (1.0 - decay**2))
         self.covariance[np.diag_indices(4)] += change
 
     def _correct(self, readings: Readings, motion: Motion) -> None:

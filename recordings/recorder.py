@@ -103,7 +103,7 @@ class Recorder(Protocol):
         """Write one moment."""
 
     def estimate(self, seen: FlightState) -> None:
-        """Write what the aircraft's sensors and estimators made of the last sample, where they are not perfect."""
+        """Write what sensors and estimators made of the last sample, where they are not perfect."""
 
     def event(self, time_s: float, text: str) -> None:
         """Write one event: a stage begins, a loiter, a warning."""

@@ -113,7 +113,7 @@ def _end(setup: FlightSetup, time_s: float, state: FlightState, progress: Progre
     """What ends the flight at this moment, if anything does."""
     if setup.aircraft.has_crashed():
         return End(time_s, Outcome.CRASHED, f"hit the ground at {state.airspeed_mps:.0f} m/s")
-    if progress.path_m >= setup.header.reference.waypoint_path_m[-1] - 0.1:
+    if progress.path_m >= setup.header.reference.waypoint_path_m[-1] - 0.1 and _is_at_end(setup, state):
         return End(time_s, Outcome.ARRIVED, f"passed {setup.header.plan.goal}")
     if state.fuel_kg <= 0.0:
         return End(time_s, Outcome.FUEL_OUT, "the tank is empty")
@@ -121,6 +121,14 @@ def _end(setup: FlightSetup, time_s: float, state: FlightState, progress: Progre
         detail = f"{abs(progress.cross_track_m):.0f} m off the reference, limit {setup.off_path_limit_m:g} m"
         return End(time_s, Outcome.CANNOT_FOLLOW, detail)
     return None
+
+
+def _is_at_end(setup: FlightSetup, state: FlightState) -> bool:
+    """Whether the last waypoint is truly passed; guidance may believe so a little earlier."""
+    reference, frame = setup.header.reference, setup.header.grid.frame
+    end_m = float(reference.waypoint_path_m[-1])
+    path_m, _ = reference.project(*frame.to_plane(state.lat_rad, state.lon_rad), end_m)
+    return path_m >= end_m - 0.1
 
 
 def _not_finite(time_s: float, state: FlightState) -> End:
