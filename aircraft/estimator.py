@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -147,6 +148,7 @@ class Estimator:
         return believed[0]
 
 
+@cache
 def horizontal_gains(figures: SensorClass) -> SteadyGains:
     """Of the north and of the east axis; the accelerometers' slow error is gravity's, through the tilt."""
     slow_mps2 = GRAVITY_MPS2 * figures.tilt_rms_rad
@@ -156,6 +158,7 @@ def horizontal_gains(figures: SensorClass) -> SteadyGains:
     return _settled(transition, drive, measured, noise)
 
 
+@cache
 def vertical_gains(figures: SensorClass) -> SteadyGains:
     """Of the vertical axis, down; the barometer's offset is down, too: what it reads too little."""
     transition, drive = np.eye(4), np.zeros((4, 4))

@@ -125,7 +125,7 @@ class GaussMarkov:
         self._rms = rms
         self._correlation_s = correlation_s
         self._normals = normals
-        self._step_s = self._decay = self._drive = 0.0
+        self._step_s, self._decay, self._drive = math.nan, 1.0, 0.0
         self.value = rms * next(normals)
 
     def advance(self, step_s: float) -> float:
