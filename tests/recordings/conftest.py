@@ -36,15 +36,19 @@ class Flight:
     states: list[FlightState]
     guidance: list[GuidanceSample]
     sheets: list[WeatherSheet]
+    seen: list[FlightState]
     outcome: Outcome = Outcome.ARRIVED
 
     def record(self, recorder: Recorder, *, finish: bool = True) -> None:
         sheets = list(self.sheets)
         recorder.begin(self.header)
+        seen = {state.time_s: state for state in self.seen}
         for state, guidance in zip(self.states, self.guidance, strict=True):
             while sheets and sheets[0].time_s <= state.time_s:
                 recorder.weather(sheets.pop(0))
             recorder.sample(state, guidance)
+            if state.time_s in seen:
+                recorder.estimate(seen[state.time_s])
             if state.time_s == 60.0:
                 recorder.event(60.0, "a minute has passed")
         if finish:
@@ -164,7 +168,11 @@ def fly_along(
         GuidanceSample(float(path_m), 0.25, -0.5, 1.5, 1, Command(0.1, 28.0, ALTITUDE_M, 0.0))
         for path_m in reference.path_at_times(times_s)
     ]
-    return Flight(header, states, guidance, make_sheets() if sheets is None else sheets)
+    seen = [
+        state._replace(lat_rad=state.lat_rad + 2e-7, wind_north_mps=state.wind_north_mps + 0.5)
+        for state in states[1:]
+    ]
+    return Flight(header, states, guidance, make_sheets() if sheets is None else sheets, seen)
 
 
 @dataclass(frozen=True)
