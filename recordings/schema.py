@@ -12,7 +12,7 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import NamedTuple
 
-from aircraft.state import Command, FlightState
+from aircraft.state import ESTIMATED_FIELDS, Command, FlightState
 from recordings.recorder import GuidanceSample
 
 SCHEMA_VERSION = 1
@@ -112,22 +112,6 @@ class Column(NamedTuple):
 
 _WIDE = {"time_s", "lat_rad", "lon_rad", "altitude_m", "path_m"}
 
-_ESTIMATED = {
-    "time_s",
-    "lat_rad",
-    "lon_rad",
-    "altitude_m",
-    "north_mps",
-    "east_mps",
-    "down_mps",
-    "roll_rad",
-    "pitch_rad",
-    "heading_rad",
-    "airspeed_mps",
-    "wind_north_mps",
-    "wind_east_mps",
-}
-
 
 def _columns(names: tuple[str, ...]) -> tuple[Column, ...]:
     kinds = {"phase": Kind.SMALL} | dict.fromkeys(_WIDE, Kind.DOUBLE)
@@ -138,4 +122,4 @@ STATE_COLUMNS = _columns(FlightState._fields)
 GUIDANCE_COLUMNS = _columns(
     ("time_s", *GuidanceSample._fields[:-1], *(f"command_{name}" for name in Command._fields))
 )
-ESTIMATE_COLUMNS = tuple(column for column in STATE_COLUMNS if column.name in _ESTIMATED)
+ESTIMATE_COLUMNS = tuple(column for column in STATE_COLUMNS if column.name in {"time_s", *ESTIMATED_FIELDS})
