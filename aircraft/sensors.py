@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -85,6 +85,11 @@ class SensorClass:
     barometer_rate_rms_mps: float = 0.006
     barometer_correlation_s: float = 3600.0
     barometer_noise_m: float = 0.3
+
+    def read_at(self, rate_hz: float) -> SensorClass:
+        """The class where fixes are taken at readings, and never closer than they are."""
+        readings = math.ceil(self.fix_interval_s * rate_hz - _SLACK_S)
+        return replace(self, fix_interval_s=readings / rate_hz)
 
 
 class Fix(NamedTuple):

@@ -49,7 +49,7 @@ def make_aircraft(scenario: Scenario) -> JsbsimAircraft:
 def make_instruments(scenario: Scenario) -> Instruments:
     """What guidance sees the flight through."""
     if scenario.flight.sensors == "gps":
-        return GpsInstruments(Sensors(SensorClass(), scenario.seed))
+        return GpsInstruments(Sensors(SensorClass().read_at(scenario.flight.guidance_hz), scenario.seed))
     return PerfectInstruments()
 
 

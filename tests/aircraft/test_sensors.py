@@ -92,6 +92,16 @@ def test_the_stated_95_per_cent_is_that_of_the_slow_errors():
     assert stats.halfnorm(scale=CLASS.height_rms_m).ppf(0.95) == pytest.approx(1.790, abs=0.002)
 
 
+@pytest.mark.parametrize(
+    ("hz", "interval_s"), [(1.0, 1.0), (4.0, 0.25), (6.0, 1 / 3), (10.0, 0.2), (60.0, 0.2)]
+)
+def test_fixes_are_taken_at_readings_and_no_closer_than_they_are(circling, hz, interval_s):
+    figures = FAULTLESS.read_at(hz)
+    assert figures.fix_interval_s == pytest.approx(interval_s)
+    taken_s = [reading.fix.time_s for reading in readings(circling(6.0, hz=hz), figures) if reading.fix]
+    assert np.diff(taken_s) == pytest.approx(interval_s)
+
+
 @pytest.mark.parametrize("hz", [4.0, 10.0, 30.0, 60.0])
 def test_fixes_come_at_their_rate_and_after_their_latency(circling, hz):
     states = circling(5.0, hz=hz)
