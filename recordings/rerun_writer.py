@@ -115,6 +115,9 @@ class RerunRecorder:
         if len(self._kept) >= ROWS_PER_CHUNK:
             self._write_rows()
 
+    def estimate(self, seen: FlightState) -> None:
+        """See `Recorder.estimate`; not drawn: the eyes see the flight as it was."""
+
     def event(self, time_s: float, text: str) -> None:
         """See `Recorder.event`."""
         self._at(time_s).log("events", rr.TextLog(text, level=rr.TextLogLevel.INFO))

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from itertools import count
 
 from aircraft.guidance import Guidance, Progress
+from aircraft.instruments import Instruments
 from aircraft.jsbsim_aircraft import JsbsimAircraft
 from aircraft.path import Phase
 from aircraft.state import FlightState
@@ -31,6 +32,7 @@ class FlightSetup:
     header: FlightHeader
     aircraft: JsbsimAircraft
     guidance: Guidance
+    instruments: Instruments
     truth: WindField
     sheets: tuple[WeatherSheet, ...]
     guidance_hz: int
@@ -67,6 +69,7 @@ def fly(setup: FlightSetup, recorder: Recorder, on_time: Callable[[float], objec
 
 def _loop(setup: FlightSetup, recorder: Recorder, on_time: Callable[[float], object]) -> End:
     aircraft, guide, record = setup.aircraft, setup.guidance.update, recorder.sample
+    see, shift = setup.instruments.see, setup.instruments.shift
     plane_point, wind = (
         setup.header.grid.frame.plane_point,
         WindAhead(setup.truth, setup.header.plan.departure_s, setup.lead_in_s),
@@ -81,10 +84,13 @@ def _loop(setup: FlightSetup, recorder: Recorder, on_time: Callable[[float], obj
         state = aircraft.state()
         if not math.isfinite(sum(state)):
             return _not_finite(time_s, state)
-        north_m, east_m, scale = plane_point(state.lat_rad, state.lon_rad)
-        command, progress = guide(state, north_m, east_m, scale, state.wind_north_mps, state.wind_east_mps)
-        aircraft.command(command)
+        seen = see(state)
+        north_m, east_m, scale = plane_point(seen.lat_rad, seen.lon_rad)
+        command, progress = guide(seen, north_m, east_m, scale, seen.wind_north_mps, seen.wind_east_mps)
+        aircraft.command(shift(command, state, seen))
         record(state, _new_tuple(GuidanceSample, (*progress, command)))
+        if seen is not state:
+            recorder.estimate(seen)
         if progress.phase is not phase:
             _tell(recorder, time_s, phase, progress.phase)
             phase = progress.phase
@@ -106,7 +112,7 @@ def _end(
     """What ends the flight at this moment, if anything does."""
     if setup.aircraft.has_crashed():
         return End(time_s, Outcome.CRASHED, f"hit the ground at {state.airspeed_mps:.0f} m/s")
-    if progress.path_m >= end_m:
+    if progress.path_m >= end_m and _is_at_end(setup, state):
         return End(time_s, Outcome.ARRIVED, f"passed {setup.header.plan.goal}")
     if state.fuel_kg <= 0.0:
         return End(time_s, Outcome.FUEL_OUT, "the tank is empty")
@@ -114,6 +120,14 @@ def _end(
         detail = f"{abs(progress.cross_track_m):.0f} m off the reference, limit {setup.off_path_limit_m:g} m"
         return End(time_s, Outcome.CANNOT_FOLLOW, detail)
     return None
+
+
+def _is_at_end(setup: FlightSetup, state: FlightState) -> bool:
+    """Whether the last waypoint is truly passed; guidance may believe so a little earlier."""
+    reference, frame = setup.header.reference, setup.header.grid.frame
+    end_m = float(reference.waypoint_path_m[-1])
+    path_m, _ = reference.project(*frame.to_plane(state.lat_rad, state.lon_rad), end_m)
+    return path_m >= end_m - 0.1
 
 
 def _not_finite(time_s: float, state: FlightState) -> End:

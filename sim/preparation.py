@@ -8,8 +8,10 @@ import numpy as np
 
 from aircraft.consumption import measure_consumption
 from aircraft.guidance import Guidance
+from aircraft.instruments import GpsInstruments, Instruments, PerfectInstruments
 from aircraft.jsbsim_aircraft import JsbsimAircraft, Turbulence
 from aircraft.reference import PathPoint, Reference
+from aircraft.sensors import SensorClass, Sensors
 from planner.consumption import FuelFlow
 from planner.hazards import StageClock, hazard_stages
 from planner.planning import Place, PlanningRequest, plan_staged
@@ -44,6 +46,13 @@ def make_aircraft(scenario: Scenario) -> JsbsimAircraft:
             f"{ceiling_m:.0f} m; fly lower or with another aircraft"
         )
     return aircraft
+
+
+def make_instruments(scenario: Scenario) -> Instruments:
+    """What guidance sees the flight through."""
+    if scenario.flight.sensors == "gps":
+        return GpsInstruments(Sensors(SensorClass().read_at(scenario.flight.guidance_hz), scenario.seed))
+    return PerfectInstruments()
 
 
 def make_clock(scenario: Scenario) -> StageClock:
@@ -141,6 +150,7 @@ def prepare_flight(
         header=header,
         aircraft=aircraft,
         guidance=Guidance(reference, envelope),
+        instruments=make_instruments(scenario),
         truth=weather.truth,
         sheets=weather_sheets(scenario, weather),
         guidance_hz=scenario.flight.guidance_hz,

@@ -134,12 +134,14 @@ class Flight(Struct, frozen=True):
 
     The aircraft flies a straight lead-in of `lead_in_s` before the first waypoint, on which wind and
     turbulence are brought in. It cannot follow when it is further than `off_path_limit_m` from the reference.
+    Guidance sees the truth, or what `sensors` and estimators make of it.
     """
 
     simulation_hz: Annotated[int, Meta(ge=30, le=480)] = 60
     guidance_hz: Annotated[int, Meta(ge=1, le=60)] = 10
     lead_in_s: Annotated[float, Meta(ge=20.0, le=600.0)] = 60.0
     off_path_limit_m: Positive = 500.0
+    sensors: Literal["perfect", "gps"] = "perfect"
 
 
 class Scenario(Struct, frozen=True):
