@@ -75,7 +75,17 @@ def make_header(corners_m: Sequence[tuple[float, float]], leg_s: float = 120.0) 
     last = waypoints[-1]
     goals = (
         GoalOutcome(
-            "Port", last.lat_deg, last.lon_deg, True, "", last.time_s, last.time_s, 1e4, 0.0, 2.5, 1e3
+            "Port",
+            last.lat_deg,
+            last.lon_deg,
+            True,
+            "",
+            last.time_s,
+            last.time_s,
+            1e4,
+            0.0,
+            2.5,
+            min_clearance_m=1e3,
         ),
         GoalOutcome("Isle", 30.9, -88.1, False, "surrounded by hazard"),
     )
