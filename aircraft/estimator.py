@@ -120,16 +120,19 @@ class Estimator:
         then = self._believed_at(fix.time_s)
         self._fade(fix.time_s)
         north_radii_m, east_radii_m = radii_m(now.lat_rad, now.altitude_m)
-        off_north = ((fix.lat_rad - then.lat_rad) * north_radii_m, fix.north_mps - then.north_mps)
-        off_east = ((fix.lon_rad - then.lon_rad) * east_radii_m, fix.east_mps - then.east_mps)
+        off_level = (
+            ((fix.lat_rad - then.lat_rad) * north_radii_m, (fix.lon_rad - then.lon_rad) * east_radii_m),
+            (fix.north_mps - then.north_mps, fix.east_mps - then.east_mps),
+        )
         barometer_m = then.barometer_m - self._barometer_offset_m
         off_down = (
             then.altitude_m - fix.altitude_m - self._fix_down_m,
             fix.down_mps - then.down_mps,
             then.altitude_m - barometer_m,
         )
-        north_m, north_mps, north_mps2 = (self.horizontal.gain @ off_north).tolist()
-        east_m, east_mps, east_mps2 = (self.horizontal.gain @ off_east).tolist()
+        (north_m, east_m), (north_mps, east_mps), (north_mps2, east_mps2) = (
+            self.horizontal.gain @ off_level
+        ).tolist()
         down_m, down_mps, down_mps2, offset_m, rate_mps, fix_m = (self.vertical.gain @ off_down).tolist()
         self._north_mps2 += north_mps2
         self._east_mps2 += east_mps2

@@ -23,7 +23,7 @@ import numpy as np
 from aircraft.estimator import Motion
 from aircraft.sensors import Readings, SensorClass
 
-_INTERVAL_S = 1.0
+_INTERVAL_S = 2.0
 _WIND_UNKNOWN_MPS = 10.0
 _SETTLING_S = 30.0  # at first, all that was learnt about the wind is kept uncertain
 _SETTLING_MPS = 1.0  # per root second
@@ -31,7 +31,7 @@ _WIND_CHANGE_MPS = 0.2  # per root second; a storm flown through at 30 m/s
 _GUST_MPS = 2.2
 _GUST_S = 40.0  # so long a gust stands for one measurement: twice its length of 530 m at 27 m/s
 _FACTOR_CHANGE = 1e-4  # per root second
-_SMOOTHING_S = 1.0  # what is told changes gradually between two rounds
+_SMOOTHING_S = 2.0  # what is told changes gradually between two rounds
 _TURN_RAD = 2.0 * math.pi
 
 

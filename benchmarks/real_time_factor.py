@@ -61,6 +61,9 @@ class Kept:
     def sample(self, state: FlightState, guidance: GuidanceSample) -> None:
         self.samples.append((state, guidance))
 
+    def estimate(self, seen: FlightState) -> None:
+        pass
+
     def event(self, time_s: float, text: str) -> None:
         pass
 

@@ -112,7 +112,7 @@ def _end(
     """What ends the flight at this moment, if anything does."""
     if setup.aircraft.has_crashed():
         return End(time_s, Outcome.CRASHED, f"hit the ground at {state.airspeed_mps:.0f} m/s")
-    if progress.path_m >= end_m and _is_at_end(setup, state):
+    if progress.path_m >= end_m and _is_at_end(setup, state, end_m):
         return End(time_s, Outcome.ARRIVED, f"passed {setup.header.plan.goal}")
     if state.fuel_kg <= 0.0:
         return End(time_s, Outcome.FUEL_OUT, "the tank is empty")
@@ -122,12 +122,11 @@ def _end(
     return None
 
 
-def _is_at_end(setup: FlightSetup, state: FlightState) -> bool:
+def _is_at_end(setup: FlightSetup, state: FlightState, end_m: float) -> bool:
     """Whether the last waypoint is truly passed; guidance may believe so a little earlier."""
-    reference, frame = setup.header.reference, setup.header.grid.frame
-    end_m = float(reference.waypoint_path_m[-1])
-    path_m, _ = reference.project(*frame.to_plane(state.lat_rad, state.lon_rad), end_m)
-    return path_m >= end_m - 0.1
+    north_m, east_m, _ = setup.header.grid.frame.plane_point(state.lat_rad, state.lon_rad)
+    path_m, _ = setup.header.reference.project(north_m, east_m, end_m)
+    return path_m >= end_m
 
 
 def _not_finite(time_s: float, state: FlightState) -> End:

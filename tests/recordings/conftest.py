@@ -16,8 +16,7 @@ from recordings.mcap_reader import read
 from recordings.mcap_writer import McapRecorder
 from recordings.recorder import FlightHeader, GuidanceSample, Layer, Outcome, Recorder, WeatherSheet
 from recordings.recording import Recording
-from recordings.samples import Samples, rounded
-from recordings.schema import STATE_COLUMNS
+from recordings.samples import Samples
 
 DEPARTURE_S = 1664409600.0
 STAGE_S = 600.0
@@ -76,7 +75,17 @@ def make_header(corners_m: Sequence[tuple[float, float]], leg_s: float = 120.0) 
     last = waypoints[-1]
     goals = (
         GoalOutcome(
-            "Port", last.lat_deg, last.lon_deg, True, "", last.time_s, last.time_s, 1e4, 0.0, 2.5, None, 1e3
+            "Port",
+            last.lat_deg,
+            last.lon_deg,
+            True,
+            "",
+            last.time_s,
+            last.time_s,
+            1e4,
+            0.0,
+            2.5,
+            min_clearance_m=1e3,
         ),
         GoalOutcome("Isle", 30.9, -88.1, False, "surrounded by hazard"),
     )
@@ -172,10 +181,9 @@ def fly_along(
     ]
     states, guidance = as_recorded(states, guidance)
     seen = [
-        state._replace(lat_rad=state.lat_rad + 2e-7, wind_north_mps=state.wind_north_mps + 0.5)
+        state._replace(lat_rad=state.lat_rad + 2.0**-22, wind_north_mps=state.wind_north_mps + 0.5)
         for state in states[1:]
     ]
-    seen = [FlightState._make(row) for row in rounded(np.array(seen), STATE_COLUMNS).tolist()]
     return Flight(header, states, guidance, make_sheets() if sheets is None else sheets, seen)
 
 

@@ -204,7 +204,8 @@ def test_the_pose_lies_in_the_plane_of_the_path(workshop, flight):
     pose, transform = on_topic(path, "/pose")[100], on_topic(path, "/tf")[100]
     point = flight.header.reference.at(flight.header.reference.path_at_time(70.0))
     assert (pose.pose.position.y, pose.pose.position.x) == pytest.approx(
-        (point.north_m, point.east_m), abs=1e-5
+        (point.north_m, point.east_m),
+        abs=1e-5,  # positions are recorded in steps of six micrometres
     )
     assert pose.pose.position.z == 1000.0
     assert transform.translation.x == pose.pose.position.x

@@ -76,7 +76,7 @@ def test_the_summary_of_a_flight(report):
         "wind                 6.0 to 6.0 m/s",
         "in hazardous wind    0.0 s (steady wind), nearest hazardous cell "
         f"{report.min_clearance_m / 1000.0:.1f} km",
-        "position believed    1.27 m mean, 1.27 p95, 1.27 max off",
+        "position believed    1.51 m mean, 1.51 p95, 1.51 max off",
         "wind believed        0.50 m/s mean, 0.50 p95, 0.50 max off",
     ]
 
