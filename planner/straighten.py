@@ -73,12 +73,11 @@ def straighten(
     network = _Network(country, way, airspeed_mps, price)
     leave_s = [node.leave_s for node in way]
     limit = price.enough + (way[-1].arrive_s if way_price is None else way_price)
-    for per_turn in (price.per_turn, 0.0):
-        best = network.cheapest(leave_s, range(len(way)), _SKIPS, per_turn)
-        if best is None:
-            return None
-        if best.price <= limit:
-            break
+    best = network.cheapest(leave_s, range(len(way)), _SKIPS, price.per_turn)
+    if best is None or best.price > limit:
+        best = network.cheapest(leave_s, range(len(way)), _SKIPS, 0.0)
+    if best is None:
+        return None
     for around, skips in ((0, _SKIPS), (_AROUND, _NEXT)):
         nodes = _nodes_around(best, around, len(way) - 1)
         found = network.cheapest(_departures_of(best, len(way)), nodes, skips, price.per_turn)
