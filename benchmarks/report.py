@@ -30,6 +30,7 @@ from pathlib import Path
 
 SECTIONS = {
     "planner": "planner_speed",
+    "windaware": "windaware_speed",
     "peers": "peers_speed",
     "loop": "real_time_factor",
 }

@@ -20,6 +20,7 @@ from planner.hazards import Bools
 from planner.legs import Country
 from planner.planning import PlanningRequest
 from planner.price import TIME, Price, over_way
+from planner.route import ScoreTerms
 from planner.survival import CERTAIN, probability_from_forecast
 from planner.timetable import length_m, waiting_s
 from planner.way import Cell, Leg
@@ -78,16 +79,18 @@ class Appraisal:
         return measure[objective](legs) if objective in measure else -_arrival_s(legs)
 
     def score(self, legs: Legs) -> float:
-        """Equation (2) at the arrival: D at the goal, Dbar over time, L in cells flown, T in steps."""
-        clock, arrival_s = self.request.clock, _arrival_s(legs)
+        """Equation (2) at the arrival."""
+        return self.terms(legs).total
+
+    def terms(self, legs: Legs) -> ScoreTerms:
+        """Its terms: D at the goal, Dbar over time, L in cells flown, T in steps."""
+        clock, weights, arrival_s = self.request.clock, self.request.weights, _arrival_s(legs)
         goal = legs[-1].end if legs else self.start
-        clearance = float(self.clearance[(clock.stage_at(arrival_s), *goal)])
-        weights, steps = self.request.weights, arrival_s / clock.step_s
-        return (
-            weights.alpha * clearance
-            + weights.beta * self.mean_clearance(legs)
-            - weights.gamma * length_m(self.country, legs) / self.cell_m
-            - weights.delta * steps
+        return ScoreTerms(
+            weights.alpha * float(self.clearance[(clock.stage_at(arrival_s), *goal)]),
+            weights.beta * self.mean_clearance(legs),
+            -weights.gamma * length_m(self.country, legs) / self.cell_m,
+            -weights.delta * arrival_s / clock.step_s,
         )
 
     def mean_clearance(self, legs: Legs) -> float:

@@ -97,8 +97,8 @@ class Hazard(Struct, frozen=True):
 class PlannerTable(Struct, frozen=True):
     """Which planner, which of a goal's arrivals, and the weights of the score (equation 2 of the paper).
 
-    `staged` is the paper's; `windaware` flies legs of any course at cruise airspeed, to the earliest arrival
-    (no objective, no weights). `airspeed_margin_mps` is what the planner leaves of the aircraft's envelope at
+    `staged` is the paper's; `windaware` flies legs of any course at cruise airspeed, and
+    for fuel at others. `airspeed_margin_mps` is what the planner leaves of the aircraft's envelope at
     either end, so that the flight can make up for gusts and corners. A plan whose chance to survive lies
     below `abstain_below` is shown but not flown.
     """
