@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
+from sim.cli_aircraft import aircraft
+
 if TYPE_CHECKING:
     from planner.plans import GoalOutcome, Plan
     from sim.scenario import LoadedScenario
@@ -51,6 +53,9 @@ def main() -> None:
 @click.version_option(package_name="galeway")
 def commands() -> None:
     """Plan a UAV's route through changing weather, fly it on JSBSim, and check the recording."""
+
+
+commands.add_command(aircraft)
 
 
 def scenario_options(command: Callable[..., Any]) -> Callable[..., Any]:

@@ -31,7 +31,7 @@ def compare_planners(loaded: LoadedScenario, names: Sequence[str], picture: Path
         if name not in PEERS:
             raise SimError(f"no planner is named {name!r}; there are {', '.join(PEERS)}")
     scenario, weather = loaded.scenario, bring_weather(loaded)
-    request = planning_request(scenario, make_aircraft(scenario))
+    request = planning_request(scenario, make_aircraft(scenario, loaded.folder))
     problem = staged_problem(weather.forecast, request)
     grid = weather.forecast.grid
     truth = hazard_stages(

@@ -3,9 +3,17 @@
 import os
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
+
+
+def pytest_configure(config):
+    """Measured envelopes are kept for this run only, for the commands that tests start, too."""
+    kept = tempfile.TemporaryDirectory(prefix="galeway-")
+    os.environ["GALEWAY_CACHE"] = kept.name
+    config.add_cleanup(kept.cleanup)
 
 
 @pytest.fixture(scope="session")
