@@ -142,15 +142,20 @@ class JsbsimModel:
 
         Returns:
             Whether it can be trimmed.
+
+        Raises:
+            ModelError: if the model cannot be run at all.
         """
         self.set(Property.START_BANK, bank_rad)
         self.set(Property.AUTOPILOT_ENGAGED, 0.0)
-        self.fdm.run_ic()
-        self.fdm.get_propulsion().init_running(-1)
         try:
+            self.fdm.run_ic()
+            self.fdm.get_propulsion().init_running(-1)
             self.fdm.do_trim(_TURN_TRIM if bank_rad else _STRAIGHT_TRIM)
         except jsbsim.TrimFailureError:
             return False
+        except RuntimeError as error:  # such as a property that is read but that nothing makes
+            raise ModelError(f"JSBSim cannot run the model {self.aircraft.name!r}: {error}") from error
         return True
 
 

@@ -67,13 +67,27 @@ def _measure_in_child(aircraft: AircraftFolder) -> Envelope:
         ) from error
     if done.returncode == 0:
         return msgspec.json.decode(done.stdout.splitlines()[-1], type=Envelope)
-    said = " ".join(done.stderr.split())
     if done.returncode == _REFUSED:
-        raise ModelError(said)
+        raise ModelError(done.stderr.strip())
     raise ModelError(
-        f"JSBSim {_ending(done.returncode)} while it tried the model {name!r} in {aircraft.path}; look for "
-        "an empty <function>, a word where a number belongs, or a missing part in the engine, thruster or "
-        f"propeller{': ' + said[-300:] if said else ''}"
+        f"JSBSim {_ending(done.returncode)} while it tried the model {name!r} in {aircraft.path}; "
+        + _last_words(done.stderr)
+    )
+
+
+def _last_words(stderr: str) -> str:
+    """What JSBSim said before it ended, or where to look if it said nothing."""
+    said = [
+        line.partition("what():")[2].strip() or line.strip() for line in stderr.split("\n") if line.strip()
+    ]
+    said = [line for line in said if line]
+    return (
+        f"its last words: {said[-1]}"
+        if said
+        else (
+            "look for an empty <function>, a word where a number belongs, or a missing part in the engine, "
+            "thruster or propeller"
+        )
     )
 
 
