@@ -21,7 +21,7 @@ from sim.closed_loop import FlightSetup
 from sim.errors import ScenarioError
 from sim.provenance import versions
 from sim.scenario import LoadedScenario, PlaceTable, Scenario
-from sim.weather.source import MissionWeather, bring_weather
+from sim.weather.source import MissionWeather
 
 
 def make_aircraft(scenario: Scenario, folder: Path = Path()) -> JsbsimAircraft:
@@ -52,12 +52,6 @@ def make_clock(scenario: Scenario) -> StageClock:
     return StageClock(scenario.mission.departure_s, stages.count, stages.steps, stages.step_s)
 
 
-def plan_scenario(loaded: LoadedScenario) -> Plan:
-    """Bring the weather and plan, without a flight."""
-    aircraft = make_aircraft(loaded.scenario, loaded.folder)
-    return make_plan(loaded.scenario, bring_weather(loaded), aircraft)
-
-
 def make_plan(scenario: Scenario, weather: MissionWeather, aircraft: JsbsimAircraft) -> Plan:
     """Plan on the forecast, within the aircraft's envelope."""
     plan = plan_windaware if scenario.planner.kind == "windaware" else plan_staged
@@ -78,6 +72,8 @@ def planning_request(scenario: Scenario, aircraft: JsbsimAircraft) -> PlanningRe
         airspeed_min_mps=envelope.airspeed_min_mps + table.airspeed_margin_mps,
         airspeed_max_mps=envelope.airspeed_max_mps - table.airspeed_margin_mps,
         objective=table.objective,
+        forecast_error_mps=scenario.hazard.forecast_error_mps,
+        abstain_below=table.abstain_below,
         cruise_mps=envelope.cruise_mps,
         weights=Weights(table.alpha, table.beta, table.gamma, table.delta, table.clearance_cap_cells),
     )
@@ -93,11 +89,16 @@ def prepare_flight(
     """Lay the reference through the plan and put the trimmed aircraft at its beginning.
 
     Raises:
-        ScenarioError: if the plan leads nowhere.
+        ScenarioError: if the plan leads nowhere, or its chance to survive is too small to be flown.
         PathError: if no flyable curve leads through the plan.
         ModelError: if the aircraft cannot be trimmed.
     """
     scenario, grid = loaded.scenario, weather.forecast.grid
+    if plan.outcome.abstained:
+        raise ScenarioError(
+            f"the plan to {plan.goal} is not to be flown: its chance to survive, {plan.outcome.survival}, is "
+            f"below planner.abstain_below {scenario.planner.abstain_below}"
+        )
     if len({(waypoint.lat_deg, waypoint.lon_deg) for waypoint in plan.waypoints}) < 2:
         raise ScenarioError(
             f"mission.start and the goal {plan.goal} lie in one cell of {scenario.grid.cell_m:.0f} m, "
