@@ -24,8 +24,13 @@ from aircraft.trim_stand import TrimStand
 
 TIMEOUT_S = 120.0
 _REFUSED = 2
-_known: dict[str, Envelope] = {}  # of this process
 _SOURCES = ("envelope.py", "jsbsim_model.py", "trim_stand.py", "base_model.py", "properties.py")
+_WHERE_TO_LOOK = (
+    "look for an empty <function>, a word where a number belongs, or a missing part in the engine, thruster "
+    "or propeller"
+)
+
+_known: dict[str, Envelope] = {}  # of this process
 
 
 def envelope_of(aircraft: AircraftFolder) -> Envelope:
@@ -77,18 +82,9 @@ def _measure_in_child(aircraft: AircraftFolder) -> Envelope:
 
 def _last_words(stderr: str) -> str:
     """What JSBSim said before it ended, or where to look if it said nothing."""
-    said = [
-        line.partition("what():")[2].strip() or line.strip() for line in stderr.split("\n") if line.strip()
-    ]
-    said = [line for line in said if line]
-    return (
-        f"its last words: {said[-1]}"
-        if said
-        else (
-            "look for an empty <function>, a word where a number belongs, or a missing part in the engine, "
-            "thruster or propeller"
-        )
-    )
+    said = [line.replace("what():", "").strip() for line in stderr.splitlines()]
+    last = next(filter(None, reversed(said)), "")
+    return f"its last words: {last}" if last else _WHERE_TO_LOOK
 
 
 def _ending(code: int) -> str:
