@@ -71,7 +71,6 @@ class Property(Enum):
     ANGLE_OF_ATTACK = "aero/alpha-rad", "rad", 1.0, "angle of attack"
     SIDESLIP = "aero/beta-rad", "rad", 1.0, "sideslip, wind from the right"
     FUEL = "propulsion/total-fuel-lbs", "lb", _POUND, "fuel left"
-
     STALL = "aero/alpha-max-rad", "rad", 1.0, "angle of attack at which the wing stalls"
     TANK = "propulsion/tank/contents-lbs", "lb", _POUND, "fuel in the first tank"
     FUEL_FLOW = "propulsion/engine/fuel-flow-rate-pps", "lb/s", _POUND, "what the first engine burns"

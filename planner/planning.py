@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from planner.consumption import FuelFlow
 from planner.errors import PlannerError
 from planner.grid import Grid
 from planner.ground import Cell, Occupancy
@@ -37,8 +38,8 @@ class PlanningRequest:
     the room kept below the threshold around every move. The airspeeds are the aircraft's envelope.
     `forecast_error_mps`: standard deviation of the forecast's wind speed, 0 if it is taken as right;
     `abstain_below`: the least chance to survive. Only the wind-aware planner uses `cruise_mps`, the true
-    airspeed on its legs (None: in the middle of the envelope), and `wait_min_s`, the shortest wait that can
-    be flown as a loiter.
+    airspeed on its legs (None: in the middle of the envelope), `wait_min_s`, the shortest wait that can be
+    flown as a loiter, and `fuel_flow`, the aircraft's consumption at the altitude (for "fuel").
     """
 
     start: Place
@@ -56,6 +57,7 @@ class PlanningRequest:
     wait_min_s: float = 120.0
     forecast_error_mps: float = 0.0
     abstain_below: float = 0.0
+    fuel_flow: FuelFlow | None = None
 
 
 def plan_staged(wind: WindField, request: PlanningRequest) -> Plan:

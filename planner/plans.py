@@ -53,7 +53,8 @@ class NearestPlace:
 class GoalOutcome:
     """What the sweep found for one goal: times since departure, or the reason why there is no route.
 
-    `terms`: of the score. `stages`: for the end of each stage from the departure's on. `survival`: the chance
+    `terms`: of the score. `fuel_kg`: what the way burns by the aircraft's measured consumption, where that
+    was given. `stages`: for the end of each stage from the departure's on. `survival`: the chance
     that no step of the route meets hazard, where the forecast has an error, each step being an independent
     draw, and `survival_at_most` if one draw decides all; `members_survived` of `members`: the same counted in
     an ensemble. `abstained`: the chance lies below the level asked for, so the route is shown but not to be
@@ -73,6 +74,7 @@ class GoalOutcome:
     score: float | None = None
     terms: ScoreTerms | None = None
     min_clearance_m: float | None = None
+    fuel_kg: float | None = None
     survival: float | None = None
     members_survived: int | None = None
     members: int | None = None

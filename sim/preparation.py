@@ -7,10 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
+from aircraft.consumption import measure_consumption
 from aircraft.description import load_aircraft
 from aircraft.guidance import Guidance
 from aircraft.jsbsim_aircraft import JsbsimAircraft, Turbulence
 from aircraft.reference import PathPoint, Reference
+from planner.consumption import FuelFlow
 from planner.hazards import StageClock, hazard_stages
 from planner.planning import Place, PlanningRequest, plan_staged
 from planner.plans import Plan
@@ -75,8 +77,15 @@ def planning_request(scenario: Scenario, aircraft: JsbsimAircraft) -> PlanningRe
         forecast_error_mps=scenario.hazard.forecast_error_mps,
         abstain_below=table.abstain_below,
         cruise_mps=envelope.cruise_mps,
+        fuel_flow=_fuel_flow(scenario, aircraft) if table.objective == "fuel" else None,
         weights=Weights(table.alpha, table.beta, table.gamma, table.delta, table.clearance_cap_cells),
     )
+
+
+def _fuel_flow(scenario: Scenario, aircraft: JsbsimAircraft) -> FuelFlow:
+    """The aircraft's own consumption at the mission's altitude; it takes half a second to measure."""
+    measured = measure_consumption(aircraft.folder, scenario.mission.altitude_m)
+    return FuelFlow(measured.airspeed_mps, measured.flow_kgps)
 
 
 def _place(table: PlaceTable) -> Place:
