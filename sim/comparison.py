@@ -51,7 +51,7 @@ def compare_planners(
     if picture is not None:
         check_picture(picture)
     scenario, weather = loaded.scenario, bring_weather(loaded)
-    request = planning_request(scenario, make_aircraft(scenario))
+    request = planning_request(scenario, make_aircraft(scenario, loaded.folder))
     problem = staged_problem(weather.forecast, request)
     grid = weather.forecast.grid
     truth = hazard_stages(
