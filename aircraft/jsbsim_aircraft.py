@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import count
 from pathlib import Path
 
 import jsbsim
@@ -20,6 +21,7 @@ _ADAMS_BASHFORTH_2 = 3.0  # the default, explicit Euler, takes the damping out o
 _MILSPEC = 3.0
 _FULL_TRIM = 1
 _WRECK_HEIGHT_FT = 3.0  # of the centre of gravity; whatever hits the ground first, it is no higher then
+_ENGINE_OFF = (("propulsion/magneto_cmd", 0.0), ("propulsion/cutoff_cmd", 1.0))
 _M_PER_FOOT = 0.3048
 _FEET_PER_M = 1.0 / _M_PER_FOOT
 
@@ -132,6 +134,7 @@ class JsbsimAircraft:
         self._lon_rad = self._node(Property.LONGITUDE).get_double_value
         self._altitude_ft = self._node(Property.ALTITUDE).get_double_value
         self._airspeed_fps = self._node(Property.AIRSPEED).get_double_value
+        self._engine_running = self._node(Property.ENGINE_RUNNING).get_double_value
         self._height_above_ground_ft = self._node(Property.HEIGHT_ABOVE_GROUND).get_double_value
         self._set_north_fps = self._node(Property.WIND_NORTH).set_double_value
         self._set_east_fps = self._node(Property.WIND_EAST).set_double_value
@@ -254,6 +257,31 @@ class JsbsimAircraft:
     def fuel_kg(self) -> float:
         """Fuel left [kg]."""
         return self.get(Property.FUEL)
+
+    def engine_runs(self) -> bool:
+        """Whether the engine runs: not when it has failed or its tanks are empty."""
+        return self._engine_running() > 0.0
+
+    def stop_engine(self) -> None:
+        """Make the engine fail, for good: ignition off and fuel cut, for whatever kind it is."""
+        for path, value in _ENGINE_OFF:
+            if self._fdm.get_property_manager().get_node(path) is not None:
+                self._fdm.set_property_value(path, value)
+
+    def drain_fuel(self, left_kg: float) -> None:
+        """Leave so much fuel, shared by the tanks as it was; more than there is changes nothing.
+
+        Not a number makes the aircraft's mass, and soon all of its state, not a number.
+        """
+        share = left_kg / self.fuel_kg if self.fuel_kg > 0.0 else 1.0
+        if share >= 1.0:
+            return
+        root = self._fdm.get_property_manager()
+        for tank in count():
+            node = root.get_node(f"propulsion/tank[{tank}]/contents-lbs")
+            if node is None:
+                return
+            node.set_double_value(node.get_double_value() * share)
 
     def is_finite(self) -> bool:
         """False once a quantity has become infinite or not a number, which JSBSim does not tell."""

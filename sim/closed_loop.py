@@ -15,6 +15,9 @@ from aircraft.state import FlightState
 from planner.errors import OutsideFieldError
 from planner.windfield import WindField
 from recordings.recorder import FlightHeader, GuidanceSample, Outcome, Recorder, WeatherSheet
+from sim.faults import AircraftFaults, disturbed
+from sim.glide import Glide
+from sim.scenario import Fault
 
 WIND_RAMP_S = 20.0
 """The wind is brought in over so long, in the lead-in: the aircraft is trimmed in still air."""
@@ -36,6 +39,7 @@ class FlightSetup:
     guidance_hz: int
     lead_in_s: float
     off_path_limit_m: float
+    faults: tuple[Fault, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +71,9 @@ def fly(setup: FlightSetup, recorder: Recorder, on_time: Callable[[float], objec
 
 def _loop(setup: FlightSetup, recorder: Recorder, on_time: Callable[[float], object]) -> End:
     aircraft, frame = setup.aircraft, setup.header.grid.frame
-    probe, departure_s = setup.truth.probe(), setup.header.plan.departure_s
+    departure_s = setup.header.plan.departure_s
+    probe = disturbed(setup.truth.probe(), setup.faults, departure_s)
+    faults, glide = AircraftFaults(setup.faults), Glide(aircraft)
     steps, step_s = round(aircraft.rate_hz / setup.guidance_hz), 1.0 / aircraft.rate_hz
     sheets, phase = deque(setup.sheets), Phase.LEAD_IN
     for tick in count():
@@ -77,6 +83,8 @@ def _loop(setup: FlightSetup, recorder: Recorder, on_time: Callable[[float], obj
         state = aircraft.state()
         if not all(map(math.isfinite, state)):
             return _not_finite(time_s, state)
+        for text in (*faults.strike(aircraft, time_s), *glide.watch(state)):
+            recorder.event(time_s, text)
         north_m, east_m = frame.to_plane(state.lat_rad, state.lon_rad)
         scale = frame.scale(state.lat_rad)
         command, progress = setup.guidance.update(
@@ -88,13 +96,15 @@ def _loop(setup: FlightSetup, recorder: Recorder, on_time: Callable[[float], obj
             _tell(recorder, time_s, phase, Phase(progress.phase))
             phase = Phase(progress.phase)
         on_time(time_s)
-        if end := _end(setup, time_s, state, progress):
+        if end := _end(setup, time_s, state, progress, glide):
             return end
         share = min((time_s + setup.lead_in_s) / WIND_RAMP_S, 1.0)
         wind_time_s = departure_s + max(time_s, 0.0)
         try:
             for step in range(steps):
                 north, east, down = probe(wind_time_s + step * step_s, *aircraft.position())
+                if not math.isfinite(north + east + down):
+                    return End(time_s, Outcome.NOT_FINITE, f"the wind is {north}, {east}, {down} m/s")
                 aircraft.set_wind(share * north, share * east, share * down)
                 aircraft.step()
         except OutsideFieldError as error:
@@ -104,15 +114,17 @@ def _loop(setup: FlightSetup, recorder: Recorder, on_time: Callable[[float], obj
     raise AssertionError("unreachable: counting does not end")
 
 
-def _end(setup: FlightSetup, time_s: float, state: FlightState, progress: Progress) -> End | None:
-    """What ends the flight at this moment, if anything does."""
+def _end(
+    setup: FlightSetup, time_s: float, state: FlightState, progress: Progress, glide: Glide
+) -> End | None:
+    """What ends the flight at this moment, if anything does. Without an engine it glides to the ground."""
     if setup.aircraft.has_crashed():
+        if glide.cause:
+            return End(time_s, glide.cause, glide.story(state))
         return End(time_s, Outcome.CRASHED, f"hit the ground at {state.airspeed_mps:.0f} m/s")
     if progress.path_m >= setup.header.reference.waypoint_path_m[-1] - 0.1:
         return End(time_s, Outcome.ARRIVED, f"passed {setup.header.plan.goal}")
-    if state.fuel_kg <= 0.0:
-        return End(time_s, Outcome.FUEL_OUT, "the tank is empty")
-    if abs(progress.cross_track_m) > setup.off_path_limit_m:
+    if abs(progress.cross_track_m) > setup.off_path_limit_m and not glide.cause:
         detail = f"{abs(progress.cross_track_m):.0f} m off the reference, limit {setup.off_path_limit_m:g} m"
         return End(time_s, Outcome.CANNOT_FOLLOW, detail)
     return None
