@@ -20,6 +20,7 @@ __all__ = ["Envelope", "JsbsimAircraft", "Turbulence"]
 _ADAMS_BASHFORTH_2 = 3.0  # the default, explicit Euler, takes the damping out of the short period at 60 Hz
 _MILSPEC = 3.0
 _WRECK_HEIGHT_FT = 3.0  # of the centre of gravity; whatever hits the ground first, it is no higher then
+_ENGINE_OFF = (("propulsion/magneto_cmd", 0.0), ("propulsion/cutoff_cmd", 1.0))
 _M_PER_FOOT = 0.3048
 _FEET_PER_M = 1.0 / _M_PER_FOOT
 
@@ -106,6 +107,7 @@ class JsbsimAircraft:
         self._lon_rad = self._node(Property.LONGITUDE).get_double_value
         self._altitude_ft = self._node(Property.ALTITUDE).get_double_value
         self._airspeed_fps = self._node(Property.AIRSPEED).get_double_value
+        self._engine_running = self._node(Property.ENGINE_RUNNING).get_double_value
         self._height_above_ground_ft = self._node(Property.HEIGHT_ABOVE_GROUND).get_double_value
         self._set_north_fps = self._node(Property.WIND_NORTH).set_double_value
         self._set_east_fps = self._node(Property.WIND_EAST).set_double_value
@@ -222,6 +224,24 @@ class JsbsimAircraft:
     def fuel_kg(self) -> float:
         """Fuel left [kg]."""
         return self.get(Property.FUEL)
+
+    def engine_runs(self) -> bool:
+        """Whether the engine runs: not when it has failed or its tanks are empty."""
+        return bool(self._engine_running() > 0.0)
+
+    def stop_engine(self) -> None:
+        """Make the engine fail, for good: ignition off and fuel cut, for whatever kind it is."""
+        for path, value in _ENGINE_OFF:
+            if self._fdm.get_property_manager().get_node(path) is not None:
+                self._fdm.set_property_value(path, value)
+
+    def drain_fuel(self, left_kg: float) -> None:
+        """Leave so much fuel in all tanks together; more than there is changes nothing.
+
+        Not a number makes the aircraft's mass, and soon all of its state, not a number.
+        """
+        if not left_kg >= self.fuel_kg:
+            self._model.set_fuel_share(left_kg / self._model.fuel_kg)
 
     def is_finite(self) -> bool:
         """False once a quantity has become infinite or not a number, which JSBSim does not tell."""

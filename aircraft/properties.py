@@ -74,6 +74,7 @@ class Property(Enum):
     STALL = "aero/alpha-max-rad", "rad", 1.0, "angle of attack at which the wing stalls"
     TANK = "propulsion/tank/contents-lbs", "lb", _POUND, "fuel in the first tank"
     FUEL_FLOW = "propulsion/engine/fuel-flow-rate-pps", "lb/s", _POUND, "what the first engine burns"
+    ENGINE_RUNNING = "propulsion/engine/set-running", "1", 1.0, "0 or 1"
 
     # controls, and what trim leaves in them
     AILERON = "fcs/aileron-servo", "1", 1.0, "aileron, right roll, of full deflection"

@@ -78,7 +78,7 @@ def _leaves(value: Any, where: str = "") -> Iterator[tuple[str, Any]]:
         for key, inner in value.items():
             yield from _leaves(inner, f"{where}.{key}" if where else key)
     elif isinstance(value, list):
-        for inner in value:
-            yield from _leaves(inner, f"{where}[...]")
+        for index, inner in enumerate(value):
+            yield from _leaves(inner, f"{where}[{index}]")
     else:
         yield where, value

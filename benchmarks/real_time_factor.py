@@ -128,7 +128,7 @@ class Bench:
         commands = [guidance.command for _, guidance in kept.samples]
         setup = self.ready()
         aircraft, frame = setup.aircraft, setup.header.grid.frame
-        wind = WindAhead(setup.truth, setup.header.plan.departure_s, setup.lead_in_s)
+        wind = WindAhead(setup.truth.probe(), setup.header.plan.departure_s, setup.lead_in_s)
         seen = [
             (s, *frame.plane_point(s.lat_rad, s.lon_rad), s.wind_north_mps, s.wind_east_mps) for s in states
         ]

@@ -25,6 +25,7 @@ class Outcome(StrEnum):
     LEFT_WEATHER = "left_weather"
     CANNOT_FOLLOW = "cannot_follow"
     FUEL_OUT = "fuel_out"
+    ENGINE_FAILED = "engine_failed"
     NOT_FINITE = "not_finite"
     INTERRUPTED = "interrupted"
     INCOMPLETE = "incomplete"  # never written: what a reader says of a recording that just stops

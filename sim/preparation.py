@@ -158,6 +158,7 @@ def prepare_flight(
         guidance_hz=scenario.flight.guidance_hz,
         lead_in_s=scenario.flight.lead_in_s,
         off_path_limit_m=scenario.flight.off_path_limit_m,
+        faults=scenario.faults,
     )
 
 

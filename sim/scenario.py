@@ -6,6 +6,7 @@ import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -145,6 +146,32 @@ class Flight(Struct, frozen=True):
     sensors: Literal["perfect", "gps"] = "perfect"
 
 
+class FaultKind(StrEnum):
+    """What can be made to go wrong in flight."""
+
+    ENGINE_FAILURE = "engine_failure"
+    FUEL_LOSS = "fuel_loss"
+    WIND_STEP = "wind_step"
+    WIND_NAN = "wind_nan"
+    STATE_NAN = "state_nan"
+
+
+class Fault(Struct, frozen=True):
+    """Something that goes wrong at a time after departure, for good.
+
+    `fuel_kg` is what a loss of fuel leaves; the rest is of a wind step: by how much the wind changes (toward)
+    within `duration_s`. The two kinds of "nan" put what is not a number into the wind or into the aircraft's
+    mass, to see the flight end in good order.
+    """
+
+    kind: FaultKind
+    time_s: NotNegative
+    fuel_kg: NotNegative = 0.0
+    north_mps: float = 0.0
+    east_mps: float = 0.0
+    duration_s: Positive = 1.0
+
+
 class Scenario(Struct, frozen=True):
     """One flight, whole: everything that decides it stands here."""
 
@@ -161,6 +188,7 @@ class Scenario(Struct, frozen=True):
     aircraft: AircraftTable = AircraftTable()
     turbulence: TurbulenceTable = TurbulenceTable()
     flight: Flight = Flight()
+    faults: tuple[Fault, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

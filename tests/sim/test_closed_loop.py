@@ -130,14 +130,6 @@ def test_a_downdraught_into_the_ground_is_a_crash(ready, kept):
     assert end.outcome is Outcome.CRASHED
 
 
-def test_an_empty_tank_ends_the_flight(ready, kept):
-    setup = ready()
-    setup.aircraft._fdm[TANK] = 0.02  # pounds
-    end = fly(setup, kept, ignore)
-    assert end.outcome is Outcome.FUEL_OUT
-    assert 0.0 < end.time_s < setup.header.plan.duration_s / 2
-
-
 def test_numbers_that_are_not_finite_end_the_flight(ready, kept):
     setup = ready()
 
