@@ -1,6 +1,9 @@
 """What goes wrong on purpose: each fault ends as it should, and its recording can be read and judged."""
 
 import math
+import resource
+import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -115,3 +118,29 @@ def test_the_wind_step_ramps_and_stays():
 def test_a_fault_that_makes_no_sense_is_refused(fault, words):
     with pytest.raises(ScenarioError, match=words):
         load_scenario("ian", [f"faults=[{fault}]"])
+
+
+@pytest.mark.parametrize("limit", [400_000, 1_000_000])
+def test_a_disk_that_is_full_ends_in_one_message_and_what_was_recorded_can_be_read(
+    command, galeway, tmp_path, limit
+):
+    def full():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+
+    short = str(Path(__file__).parent / "scenarios" / "short.toml")
+    done = subprocess.run(
+        [*command, "fly", short, "--out", str(tmp_path)],
+        capture_output=True,
+        text=True,
+        check=False,
+        preexec_fn=full,
+    )
+    assert done.returncode == 2
+    assert "Traceback" not in done.stderr
+    assert "make room" in done.stderr
+    (recording,) = tmp_path.glob("flight.partial.mcap")
+    checked = galeway("check", str(recording))
+    assert checked.returncode == 1
+    assert "incomplete" in checked.stdout + checked.stderr
+    assert not (tmp_path / "flight.mcap").exists()
+    assert not (tmp_path / "report.json").exists()
