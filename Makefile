@@ -27,6 +27,7 @@ format: $(FOR_WORK)
 bench: $(FOR_WORK)
 	$(BIN)/python benchmarks/real_time_factor.py
 	$(BIN)/python benchmarks/planner_speed.py
+	$(BIN)/python benchmarks/tracking.py
 
 # The README's picture, from the recording that `make fly` leaves; needs a Vulkan driver (see docs/picture.py).
 picture: $(FOR_WORK)
