@@ -9,8 +9,7 @@ Three published ideas, put together:
 - It is followed by turning the velocity through the air, not that over ground (Stastny & Siegwart, *On flying
   backwards*, 2019): the wind triangle gives the air's course that has the wanted drift over ground, and where
   the wind leaves none, the nearest to it. So a wind as strong as the airspeed never turns the aircraft away.
-- The time of arrival is held by ground speed: what the schedule asks a little ahead, and a share of the time
-  error; the wind triangle turns it into airspeed.
+- The time of arrival is held by ground speed, see `aircraft.schedule`.
 
 With chi the course of the path, eta the angle from it to the velocity through the air (true airspeed V), w_t
 and w_n the wind along and to the right of it, and v the ground speed along it:
@@ -31,10 +30,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from aircraft.envelope import Envelope
-from aircraft.reference import Phase, Reference, ReferencePoint
+from aircraft.reference import Phase, Reference
+from aircraft.schedule import GRAVITY_MPS2, Schedule
 from aircraft.state import Command, FlightState
 
-_GRAVITY_MPS2 = 9.80665
 _TURN_RAD = 2.0 * math.pi
 _COSINE_MIN = 0.3  # beyond 72 degrees of crab the feed-forward is no longer worth its growth
 
@@ -53,10 +52,7 @@ class Gains:
         crab_max_rad: largest angle between the path and the velocity through the air.
         bank_preview_s: how far ahead the curvature is taken.
         bank_blend_s: the flight time over which that is averaged, around there; the climb is its end's.
-        airspeed_preview_s: how far ahead the schedule's speed is taken.
         acceleration_filter_s: time constant of the measured change of airspeed.
-        time_per_s: share of ground speed added per second late.
-        time_share_max: bound of that share.
     """
 
     cross_track_per_s: float = 0.6
@@ -68,10 +64,7 @@ class Gains:
     crab_max_rad: float = math.radians(80.0)
     bank_preview_s: float = 0.45
     bank_blend_s: float = 0.4
-    airspeed_preview_s: float = 3.5
     acceleration_filter_s: float = 0.3
-    time_per_s: float = 0.2
-    time_share_max: float = 0.25
 
 
 class Progress(NamedTuple):
@@ -104,6 +97,7 @@ class Guidance:
         self.reference = reference
         self.envelope = envelope
         self.gains = gains or Gains()
+        self.schedule = Schedule(reference, envelope)
         self._path_m: float | None = None
         self._time_s = 0.0
         self._airspeed_mps = 0.0
@@ -160,8 +154,11 @@ class Guidance:
         tan_bank = self._tan_bank(
             motion, cross_m, here.curvature_radpm, curvature_ahead, state.roll_rad, step_s
         )
-        ahead = reference.at(path_m + gains.airspeed_preview_s * onward)
-        airspeed_mps = self._airspeed(ahead, time_error_s, tan_bank, wind_north_mps, wind_east_mps)
+        schedule = self.schedule
+        schedule.note_gust(state.airspeed_mps, math.hypot(self._airspeed_mps, state.down_mps), step_s)
+        airspeed_mps = schedule.airspeed_mps(
+            path_m, onward, time_error_s, tan_bank, wind_north_mps, wind_east_mps
+        )
         climb_mps = soon.climb_mps * motion.forward_mps / soon.speed_mps
         return (
             Command(math.atan(tan_bank), airspeed_mps, here.altitude_m, climb_mps),
@@ -192,11 +189,11 @@ class Guidance:
         per_across = 1.0 / max(math.cos(angle_rad), _COSINE_MIN)
         curving = per_across * forward_mps * abs(forward_mps) / max(1.0 - curvature * cross_m, 0.5)
         speeding = per_across * cross_wind_mps / airspeed_mps * self._acceleration_mps2
-        excess = _GRAVITY_MPS2 * math.tan(roll_rad) - curving * curvature - speeding
+        excess = GRAVITY_MPS2 * math.tan(roll_rad) - curving * curvature - speeding
         error_rad = math.remainder(math.asin(crab) - angle_rad, _TURN_RAD)
         error_rad -= gains.roll_lead_s * excess / airspeed_mps
         wanted = curving * curvature_ahead + speeding + airspeed_mps * gains.course_per_s * error_rad
-        return min(max(wanted / _GRAVITY_MPS2, -self._tan_bank_max), self._tan_bank_max)
+        return min(max(wanted / GRAVITY_MPS2, -self._tan_bank_max), self._tan_bank_max)
 
     def _note_acceleration(self, airspeed_mps: float, step_s: float) -> None:
         """Smooth the change of airspeed (through the steady wind, so free of gusts themselves)."""
@@ -215,25 +212,3 @@ class Guidance:
             wound = self._integral_mps - gains.integral_per_s2 * cross_m * step_s
             self._integral_mps = min(max(wound, -gains.integral_max_mps), gains.integral_max_mps)
         return min(max(back_mps + self._integral_mps, -limit_mps), limit_mps)
-
-    def _airspeed(
-        self,
-        ahead: ReferencePoint,
-        time_error_s: float,
-        tan_bank: float,
-        wind_north_mps: float,
-        wind_east_mps: float,
-    ) -> float:
-        """The true airspeed that gives the scheduled ground speed at a point of the reference."""
-        gains, envelope = self.gains, self.envelope
-        share = min(max(gains.time_per_s * time_error_s, -gains.time_share_max), gains.time_share_max)
-        speed_mps = ahead.speed_mps * (1.0 + share)
-        wanted_mps = math.hypot(
-            speed_mps * math.cos(ahead.course_rad) - wind_north_mps,
-            speed_mps * math.sin(ahead.course_rad) - wind_east_mps,
-        )
-        tan_ahead = speed_mps * speed_mps * ahead.curvature_radpm / _GRAVITY_MPS2
-        steepest = max(abs(tan_bank), min(abs(tan_ahead), self._tan_bank_max))
-        stall = math.sqrt(math.hypot(1.0, steepest))  # lift carries 1/cos(bank) weights
-        lowest_mps = min(envelope.airspeed_min_mps * stall, envelope.airspeed_max_mps)
-        return min(max(wanted_mps, lowest_mps), envelope.airspeed_max_mps)
