@@ -30,8 +30,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from aircraft.envelope import Envelope
+from aircraft.path import GRAVITY_MPS2
 from aircraft.reference import Phase, Reference
-from aircraft.schedule import GRAVITY_MPS2, Schedule
+from aircraft.schedule import Schedule
 from aircraft.state import Command, FlightState
 
 _TURN_RAD = 2.0 * math.pi

@@ -4,9 +4,8 @@ The ground speed wanted is what the schedule asks a little ahead, and a share of
 triangle turns it into airspeed, within the envelope. Three things are added to that old rule (Beard & McLain,
 *Small Unmanned Aircraft*, section 10; the wind triangle is theirs, too):
 
-- What the turbulence blows along is made good: the autopilot holds the airspeed that the aircraft feels, with
-  its gusts,
-  included, so the gust that is felt, smoothed, is added to the command, and what is held is ground speed.
+- What turbulence blows along is made good: the autopilot holds the airspeed that the aircraft feels; so the
+  gust along, smoothed, is added to the command, and what is held is ground speed.
 - A curve that a bank limit cannot hold is not entered: before it the ground speed is brought down in time,
   v^2 = v_curve^2 + 2 a d with the distance d to go.
 - Time is caught up at no more than some airspeed below the highest, so that power is left for the height.
@@ -19,9 +18,8 @@ from bisect import bisect_right
 from dataclasses import dataclass
 
 from aircraft.envelope import Envelope
+from aircraft.path import GRAVITY_MPS2
 from aircraft.reference import Reference, ReferencePoint
-
-GRAVITY_MPS2 = 9.80665
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
+from aircraft.envelope import Envelope
 from aircraft.guidance import Guidance
 from aircraft.jsbsim_aircraft import JsbsimAircraft, Turbulence
 from aircraft.reference import PathPoint, Reference
@@ -101,7 +103,7 @@ def prepare_flight(
             f"mission.start and the goal {plan.goal} lie in one cell of {scenario.grid.cell_m:.0f} m, "
             "so there is nothing to fly; choose another goal or a smaller grid.cell_m"
         )
-    reference = lay_reference(scenario, weather, plan, aircraft.envelope.cruise_mps)
+    reference = lay_reference(scenario, weather, plan, aircraft.envelope)
     start = reference.at(0.0)
     lat_rad, lon_rad = grid.frame.to_geodetic(start.north_m, start.east_m)
     envelope = aircraft.envelope
@@ -139,11 +141,9 @@ def prepare_flight(
     )
 
 
-def lay_reference(
-    scenario: Scenario, weather: MissionWeather, plan: Plan, loiter_airspeed_mps: float
-) -> Reference:
+def lay_reference(scenario: Scenario, weather: MissionWeather, plan: Plan, envelope: Envelope) -> Reference:
     """The flyable curve through a plan's waypoints, in the plane of the planner's grid."""
-    frame, wind = weather.forecast.grid.frame, weather.forecast.probe()
+    frame, wind = weather.forecast.grid.frame, replace(weather.forecast, hold=True).probe()
 
     def wind_at(north_m: float, east_m: float, time_s: float) -> tuple[float, float]:
         lat_rad, lon_rad = frame.to_geodetic(north_m, east_m)
@@ -162,7 +162,8 @@ def lay_reference(
         loiter_radius_m=scenario.aircraft.loiter_radius_m,
         lead_in_s=scenario.flight.lead_in_s,
         wind_at=wind_at,
-        loiter_airspeed_mps=loiter_airspeed_mps,
+        loiter_airspeed_mps=envelope.cruise_mps,
+        bank_max_rad=envelope.bank_max_rad,
     )
 
 
