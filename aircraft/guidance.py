@@ -8,7 +8,9 @@ Three published ideas, put together:
   curvature of the path is fed forward (Beard & McLain, section 10.2).
 - It is followed by turning the velocity through the air, not that over ground (Stastny & Siegwart, *On flying
   backwards*, 2019): the wind triangle gives the air's course that has the wanted drift over ground, and where
-  the wind leaves none, the nearest to it. So a wind as strong as the airspeed never turns the aircraft away.
+  the wind leaves none, the nearest to it. So a wind as strong as the airspeed never turns the aircraft away:
+  it faces the wind across the path at its highest airspeed, drifts by what that wind is faster, and closes in
+  again when the wind has dropped. What has become of path and schedule is said by `aircraft.watch`.
 - The time of arrival is held by ground speed, see `aircraft.schedule`.
 
 With chi the course of the path, eta the angle from it to the velocity through the air (true airspeed V), w_t
@@ -34,6 +36,7 @@ from aircraft.path import GRAVITY_MPS2
 from aircraft.reference import Phase, Reference
 from aircraft.schedule import Schedule
 from aircraft.state import Command, FlightState
+from aircraft.watch import Watch
 
 _TURN_RAD = 2.0 * math.pi
 _COSINE_MIN = 0.3  # beyond 72 degrees of crab the feed-forward is no longer worth its growth
@@ -62,7 +65,7 @@ class Gains:
     integral_per_s2: float = 0.02
     integral_max_mps: float = 1.0
     approach_max_rad: float = math.radians(60.0)
-    crab_max_rad: float = math.radians(80.0)
+    crab_max_rad: float = math.radians(89.0)
     bank_preview_s: float = 0.45
     bank_blend_s: float = 0.4
     acceleration_filter_s: float = 0.3
@@ -99,6 +102,7 @@ class Guidance:
         self.envelope = envelope
         self.gains = gains or Gains()
         self.schedule = Schedule(reference, envelope)
+        self.watch = Watch(envelope)
         self._path_m: float | None = None
         self._time_s = 0.0
         self._airspeed_mps = 0.0
@@ -160,6 +164,9 @@ class Guidance:
         airspeed_mps = schedule.airspeed_mps(
             path_m, onward, time_error_s, tan_bank, wind_north_mps, wind_east_mps
         )
+        watch = self.watch
+        watch.note_path(cross_m, motion.tail_mps, motion.cross_wind_mps)
+        watch.note_schedule(time_error_s, at_fastest=schedule.at_fastest, at_slowest=schedule.at_slowest)
         climb_mps = soon.climb_mps * motion.forward_mps / soon.speed_mps
         return (
             Command(math.atan(tan_bank), airspeed_mps, here.altitude_m, climb_mps),

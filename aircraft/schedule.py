@@ -55,6 +55,7 @@ class Schedule:
         self.reference = reference
         self.envelope = envelope
         self.gains = gains or ScheduleGains()
+        self.at_fastest = self.at_slowest = False  # whether the airspeed was at an end of what is allowed
         self._gust_mps = 0.0
         self._tan_bank_max = math.tan(envelope.bank_max_rad)
         self._starts: list[float] = reference.start_m.tolist()
@@ -90,10 +91,15 @@ class Schedule:
         scheduled_mps = airspeed_for(min(ahead.speed_mps, limit_mps))
         share = min(max(gains.late_per_s * time_error_s, -gains.early_max), gains.late_max)
         wanted_mps = airspeed_for(min(ahead.speed_mps * (1.0 + share), limit_mps))
+        highest_mps = envelope.airspeed_max_mps
         if share > 0.0:
-            wanted_mps = min(wanted_mps, max(scheduled_mps, envelope.airspeed_max_mps - gains.reserve_mps))
+            highest_mps = min(max(scheduled_mps, highest_mps - gains.reserve_mps), highest_mps)
         lowest_mps = self._lowest_mps(tan_bank, ahead)
-        return min(max(wanted_mps + self._gust_mps, lowest_mps), envelope.airspeed_max_mps)
+        self.at_fastest, self.at_slowest = wanted_mps >= highest_mps, wanted_mps <= lowest_mps
+        if wanted_mps >= envelope.airspeed_max_mps:  # too fast a wind perhaps: no gust is a reason to give way
+            return envelope.airspeed_max_mps
+        wanted_mps = min(wanted_mps, highest_mps) + self._gust_mps
+        return min(max(wanted_mps, lowest_mps), envelope.airspeed_max_mps)
 
     def note_gust(self, felt_mps: float, steady_mps: float, step_s: float) -> None:
         """Smooth the gust along: the airspeed that is felt, less that through the steady wind alone."""

@@ -12,6 +12,7 @@ from aircraft.guidance import Guidance, Progress
 from aircraft.jsbsim_aircraft import JsbsimAircraft
 from aircraft.path import Phase
 from aircraft.state import FlightState
+from aircraft.watch import Path
 from planner.errors import OutsideFieldError
 from planner.windfield import WindField
 from recordings.recorder import FlightHeader, GuidanceSample, Outcome, Recorder, WeatherSheet
@@ -25,7 +26,8 @@ class FlightSetup:
     """All that one flight needs, the aircraft trimmed at the start of the reference's lead-in.
 
     `sheets`: the weather to record, rising in time. `lead_in_s`: from the start to the first waypoint.
-    `off_path_limit_m`: distance from the reference at which the flight is given up.
+    `off_path_limit_m`: distance from the reference at which the flight is given up, unless a wind above the
+    airspeed blew it there.
     """
 
     header: FlightHeader
@@ -84,6 +86,8 @@ def _loop(setup: FlightSetup, recorder: Recorder, on_time: Callable[[float], obj
         )
         aircraft.command(command)
         recorder.sample(state, GuidanceSample(*progress, command))
+        for news in setup.guidance.watch.take():
+            recorder.event(time_s, news)
         if progress.phase != phase:
             _tell(recorder, time_s, phase, Phase(progress.phase))
             phase = Phase(progress.phase)
@@ -112,7 +116,10 @@ def _end(setup: FlightSetup, time_s: float, state: FlightState, progress: Progre
         return End(time_s, Outcome.ARRIVED, f"passed {setup.header.plan.goal}")
     if state.fuel_kg <= 0.0:
         return End(time_s, Outcome.FUEL_OUT, "the tank is empty")
-    if abs(progress.cross_track_m) > setup.off_path_limit_m:
+    followed = (
+        setup.guidance.watch.path is Path.FOLLOWED
+    )  # blown off by wind above its airspeed, it comes back
+    if followed and abs(progress.cross_track_m) > setup.off_path_limit_m:
         detail = f"{abs(progress.cross_track_m):.0f} m off the reference, limit {setup.off_path_limit_m:g} m"
         return End(time_s, Outcome.CANNOT_FOLLOW, detail)
     return None

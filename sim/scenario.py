@@ -133,7 +133,8 @@ class Flight(Struct, frozen=True):
     """How the flight is simulated and when it is given up.
 
     The aircraft flies a straight lead-in of `lead_in_s` before the first waypoint, on which wind and
-    turbulence are brought in. It cannot follow when it is further than `off_path_limit_m` from the reference.
+    turbulence are brought in. It cannot follow when it is further than `off_path_limit_m` from the reference,
+    unless a wind above its airspeed blew it there: then it goes on, and returns when the wind allows.
     """
 
     simulation_hz: Annotated[int, Meta(ge=30, le=480)] = 60
