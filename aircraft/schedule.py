@@ -96,10 +96,10 @@ class Schedule:
             highest_mps = min(max(scheduled_mps, highest_mps - gains.reserve_mps), highest_mps)
         lowest_mps = self._lowest_mps(tan_bank, ahead)
         self.at_fastest, self.at_slowest = wanted_mps >= highest_mps, wanted_mps <= lowest_mps
-        if wanted_mps >= envelope.airspeed_max_mps:  # too fast a wind perhaps: no gust is a reason to give way
+        wanted_mps = min(wanted_mps, highest_mps)
+        if wanted_mps >= envelope.airspeed_max_mps:  # perhaps in too strong a wind: no gust is a reason to yield
             return envelope.airspeed_max_mps
-        wanted_mps = min(wanted_mps, highest_mps) + self._gust_mps
-        return min(max(wanted_mps, lowest_mps), envelope.airspeed_max_mps)
+        return min(max(wanted_mps + self._gust_mps, lowest_mps), envelope.airspeed_max_mps)
 
     def note_gust(self, felt_mps: float, steady_mps: float, step_s: float) -> None:
         """Smooth the gust along: the airspeed that is felt, less that through the steady wind alone."""
