@@ -97,7 +97,7 @@ class Schedule:
         lowest_mps = self._lowest_mps(tan_bank, ahead)
         self.at_fastest, self.at_slowest = wanted_mps >= highest_mps, wanted_mps <= lowest_mps
         wanted_mps = min(wanted_mps, highest_mps)
-        if wanted_mps >= envelope.airspeed_max_mps:  # perhaps in too strong a wind: no gust is a reason to yield
+        if wanted_mps >= envelope.airspeed_max_mps:  # in a strong wind no gust is a reason to yield
             return envelope.airspeed_max_mps
         return min(max(wanted_mps + self._gust_mps, lowest_mps), envelope.airspeed_max_mps)
 
