@@ -30,7 +30,8 @@ class ScheduleGains:
         preview_s: how far ahead the schedule's speed is taken.
         late_per_s: share of ground speed added per second late.
         early_max, late_max: bounds of that share, slower and faster.
-        reserve_mps: time is caught up at no more than so much below the highest airspeed.
+        reserve_mps: time is caught up at no more than so much below the highest airspeed, ...
+        hurry_mps: ... or so much above the scheduled one, if that is more.
         gust_filter_s: time constant in which the gust along is smoothed.
         gust_max_mps: bound of its effect.
         bank_share: how much of the tangent of the highest bank a curve may need.
@@ -42,6 +43,7 @@ class ScheduleGains:
     early_max: float = 0.4
     late_max: float = 1.0
     reserve_mps: float = 5.0
+    hurry_mps: float = 3.0
     gust_filter_s: float = 0.5
     gust_max_mps: float = 4.0
     bank_share: float = 0.85
@@ -93,7 +95,8 @@ class Schedule:
         wanted_mps = airspeed_for(min(ahead.speed_mps * (1.0 + share), limit_mps))
         highest_mps = envelope.airspeed_max_mps
         if share > 0.0:
-            highest_mps = min(max(scheduled_mps, highest_mps - gains.reserve_mps), highest_mps)
+            catching_up_mps = max(highest_mps - gains.reserve_mps, scheduled_mps + gains.hurry_mps)
+            highest_mps = min(catching_up_mps, highest_mps)
         lowest_mps = self._lowest_mps(tan_bank, ahead)
         self.at_fastest, self.at_slowest = wanted_mps >= highest_mps, wanted_mps <= lowest_mps
         wanted_mps = min(wanted_mps, highest_mps)
