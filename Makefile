@@ -24,10 +24,9 @@ format: $(FOR_WORK)
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
+# All benchmarks, about twenty minutes, into docs/benchmarks.md; benchmarks/report.py NAME ... for some.
 bench: $(FOR_WORK)
-	$(BIN)/python benchmarks/real_time_factor.py
-	$(BIN)/python benchmarks/planner_speed.py
-	$(BIN)/python benchmarks/tracking.py
+	$(BIN)/python benchmarks/report.py
 
 # The README's picture, from the recording that `make fly` leaves; needs a Vulkan driver (see docs/picture.py).
 picture: $(FOR_WORK)

@@ -53,6 +53,24 @@ class Segment(NamedTuple):
     end_altitude_m: float
 
 
+class Row(NamedTuple):
+    """A segment as plain floats; slopes are per plane metre."""
+
+    north_m: float
+    east_m: float
+    course_rad: float
+    curvature: float
+    length_m: float
+    time_s: float
+    time_slope: float
+    altitude_m: float
+    climb_slope: float
+    speed_mps: float
+    climb_mps: float
+    scale: float
+    phase: Phase
+
+
 class ReferencePoint(NamedTuple):
     """The reference at one distance along it."""
 
@@ -65,6 +83,18 @@ class ReferencePoint(NamedTuple):
     speed_mps: float  # true ground speed of the schedule
     climb_mps: float
     scale: float
+    phase: Phase
+
+
+class Target(NamedTuple):
+    """What the reference asks for at one distance along it: a `ReferencePoint` without its position."""
+
+    altitude_m: float
+    time_s: float
+    course_rad: float
+    curvature_radpm: float
+    speed_mps: float
+    climb_mps: float
     phase: Phase
 
 

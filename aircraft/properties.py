@@ -68,6 +68,7 @@ class Property(Enum):
     ANGLE_OF_ATTACK = "aero/alpha-rad", "rad", 1.0, "angle of attack"
     SIDESLIP = "aero/beta-rad", "rad", 1.0, "sideslip, wind from the right"
     FUEL = "propulsion/total-fuel-lbs", "lb", _POUND, "fuel left"
+    FUEL_FLOW = "propulsion/engine/fuel-flow-rate-pps", "lb/s", _POUND, "what the engine burns"
 
     # controls, and what trim leaves in them
     AILERON = "fcs/aileron-servo", "1", 1.0, "aileron, right roll, of full deflection"

@@ -16,10 +16,19 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from dataclasses import dataclass
+from enum import Enum
 
 from aircraft.envelope import Envelope
 from aircraft.path import GRAVITY_MPS2
-from aircraft.reference import Reference, ReferencePoint
+from aircraft.reference import Reference, Target
+
+
+class End(Enum):
+    """The end of the allowed airspeeds that the schedule would go beyond."""
+
+    NEITHER = "within the airspeeds"
+    FASTEST = "at the fastest"
+    SLOWEST = "at the slowest"
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +66,8 @@ class Schedule:
         self.reference = reference
         self.envelope = envelope
         self.gains = gains or ScheduleGains()
-        self.at_fastest = self.at_slowest = False  # whether the airspeed was at an end of what is allowed
+        self.end = End.NEITHER  # of the airspeeds allowed, at which the last one was
+        self._target, self._fastest_mps = reference.target, envelope.airspeed_max_mps
         self._gust_mps = 0.0
         self._tan_bank_max = math.tan(envelope.bank_max_rad)
         self._starts: list[float] = reference.start_m.tolist()
@@ -82,43 +92,53 @@ class Schedule:
             wind_north_mps: steady wind, toward.
             wind_east_mps: steady wind, toward.
         """
-        gains, envelope = self.gains, self.envelope
-        ahead = self.reference.at(path_m + gains.preview_s * onward_mps)
+        gains = self.gains
+        ahead = self._target(path_m + gains.preview_s * onward_mps)
         cosine, sine = math.cos(ahead.course_rad), math.sin(ahead.course_rad)
-
-        def airspeed_for(speed_mps: float) -> float:
-            return math.hypot(speed_mps * cosine - wind_north_mps, speed_mps * sine - wind_east_mps)
-
-        limit_mps = self.speed_limit_mps(path_m)
-        scheduled_mps = airspeed_for(min(ahead.speed_mps, limit_mps))
-        share = min(max(gains.late_per_s * time_error_s, -gains.early_max), gains.late_max)
-        wanted_mps = airspeed_for(min(ahead.speed_mps * (1.0 + share), limit_mps))
-        highest_mps = envelope.airspeed_max_mps
-        if share > 0.0:
-            catching_up_mps = max(highest_mps - gains.reserve_mps, scheduled_mps + gains.hurry_mps)
-            highest_mps = min(catching_up_mps, highest_mps)
-        lowest_mps = self._lowest_mps(tan_bank, ahead)
-        self.at_fastest, self.at_slowest = wanted_mps >= highest_mps, wanted_mps <= lowest_mps
-        wanted_mps = min(wanted_mps, highest_mps)
-        if wanted_mps >= envelope.airspeed_max_mps:  # in a strong wind no gust is a reason to yield
-            return envelope.airspeed_max_mps
-        return min(max(wanted_mps + self._gust_mps, lowest_mps), envelope.airspeed_max_mps)
+        limit_mps, speed_mps = self.speed_limit_mps(path_m), ahead.speed_mps
+        share, slower, faster = gains.late_per_s * time_error_s, -gains.early_max, gains.late_max
+        hurried_mps = speed_mps * (1.0 + (slower if share < slower else faster if share > faster else share))
+        if hurried_mps > limit_mps:
+            hurried_mps = limit_mps
+        wanted_mps = math.hypot(hurried_mps * cosine - wind_north_mps, hurried_mps * sine - wind_east_mps)
+        lowest_mps, highest_mps = self._lowest_mps(tan_bank, ahead), self._fastest_mps
+        most_mps = highest_mps
+        if share > 0.0 and wanted_mps > highest_mps - gains.reserve_mps:
+            if speed_mps > limit_mps:
+                speed_mps = limit_mps
+            planned_mps = math.hypot(speed_mps * cosine - wind_north_mps, speed_mps * sine - wind_east_mps)
+            most_mps = max(highest_mps - gains.reserve_mps, planned_mps + gains.hurry_mps)
+        if wanted_mps >= most_mps:
+            self.end, wanted_mps = End.FASTEST, most_mps
+        else:
+            self.end = End.SLOWEST if wanted_mps <= lowest_mps else End.NEITHER
+        if wanted_mps >= highest_mps:  # in a strong wind no gust is a reason to yield
+            return highest_mps
+        wanted_mps += self._gust_mps
+        if wanted_mps < lowest_mps:
+            wanted_mps = lowest_mps
+        return wanted_mps if wanted_mps < highest_mps else highest_mps
 
     def note_gust(self, felt_mps: float, steady_mps: float, step_s: float) -> None:
         """Smooth the gust along: the airspeed that is felt, less that through the steady wind alone."""
         gains = self.gains
-        gust_mps = min(max(felt_mps - steady_mps, -gains.gust_max_mps), gains.gust_max_mps)
+        gust_mps, most = felt_mps - steady_mps, gains.gust_max_mps
+        gust_mps = -most if gust_mps < -most else most if gust_mps > most else gust_mps
         self._gust_mps += step_s / (step_s + gains.gust_filter_s) * (gust_mps - self._gust_mps)
 
     def speed_limit_mps(self, path_m: float) -> float:
         """The highest ground speed from which every curve ahead can still be held."""
-        i = max(0, bisect_right(self._starts, path_m) - 1)
-        turning_mps, next_squared, end_m, scale = self._limits[i]
-        to_go_m = max(end_m - path_m, 0.0) / scale
-        return min(turning_mps, math.sqrt(next_squared + 2.0 * self.gains.slowing_mps2 * to_go_m))
+        i = bisect_right(self._starts, path_m) - 1
+        turning_mps, next_squared, end_m, slope = self._limits[i if i > 0 else 0]
+        if next_squared != math.inf:
+            to_go_m = end_m - path_m
+            slowed_mps = math.sqrt(next_squared + (slope * to_go_m if to_go_m > 0.0 else 0.0))
+            if slowed_mps < turning_mps:
+                return slowed_mps
+        return turning_mps
 
     def _speed_limits(self) -> list[tuple[float, float, float, float]]:
-        """For each segment its own limit, the squared limit at its end, its end and its scale."""
+        """For each segment its own limit, the squared limit at its end, its end, and the slope before."""
         reference, gains = self.reference, self.gains
         across_mps2 = gains.bank_share * GRAVITY_MPS2 * self._tan_bank_max
         columns = zip(
@@ -132,13 +152,18 @@ class Schedule:
         next_squared = math.inf
         for start_m, length_m, curvature, scale in reversed(list(columns)):
             squared = across_mps2 / (abs(curvature) * scale) if curvature else math.inf
-            limits.append((math.sqrt(squared), next_squared, start_m + length_m, scale))
-            next_squared = min(squared, next_squared + 2.0 * gains.slowing_mps2 * length_m / scale)
+            slope = 2.0 * gains.slowing_mps2 / scale
+            limits.append((math.sqrt(squared), next_squared, start_m + length_m, slope))
+            next_squared = min(squared, next_squared + slope * length_m)
         return limits[::-1]
 
-    def _lowest_mps(self, tan_bank: float, ahead: ReferencePoint) -> float:
+    def _lowest_mps(self, tan_bank: float, ahead: Target) -> float:
         """The lowest airspeed that carries the aircraft in its turn and in the one ahead."""
-        tan_ahead = ahead.speed_mps * ahead.speed_mps * ahead.curvature_radpm / GRAVITY_MPS2
-        steepest = max(abs(tan_bank), min(abs(tan_ahead), self._tan_bank_max))
+        steepest = abs(ahead.speed_mps * ahead.speed_mps * ahead.curvature_radpm) / GRAVITY_MPS2
+        if steepest > self._tan_bank_max:
+            steepest = self._tan_bank_max
+        if steepest < abs(tan_bank):
+            steepest = abs(tan_bank)
         stall = math.sqrt(math.hypot(1.0, steepest))  # lift carries 1/cos(bank) weights
-        return min(self.envelope.airspeed_min_mps * stall, self.envelope.airspeed_max_mps)
+        lowest_mps = self.envelope.airspeed_min_mps * stall
+        return lowest_mps if lowest_mps < self._fastest_mps else self._fastest_mps

@@ -12,12 +12,24 @@ import math
 from enum import Enum
 
 from aircraft.envelope import Envelope
+from aircraft.schedule import End
 
 _CALMER_MPS = 1.0  # below the highest airspeed, for the wind to count as one that can be flown in again
 _ON_PATH_M = 10.0
 _TELL_S = 5.0  # off the schedule, with the airspeed at its end
 _KEPT_S = 1.0
-_STEPS_S = (15.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1200.0, 1800.0, 3600.0)  # off the schedule: told again
+_STEPS_S = (
+    _TELL_S,
+    15.0,
+    30.0,
+    60.0,
+    120.0,
+    300.0,
+    600.0,
+    1200.0,
+    1800.0,
+    3600.0,
+)  # off the schedule: told again
 
 
 class Path(Enum):
@@ -29,19 +41,22 @@ class Path(Enum):
 
 
 class Watch:
-    """Watches one flight; `path` is how its path is followed now."""
+    """Watches one flight.
+
+    `path`: how its path is followed now. `off_schedule`: whether a delay was told and is not made good yet.
+    `news`: what there is to tell, the oldest first.
+    """
 
     def __init__(self, envelope: Envelope) -> None:
         self.path = Path.FOLLOWED
-        self._news: list[str] = []
+        self.news: list[str] = []
+        self.off_schedule = False
         self._fastest_mps = envelope.airspeed_max_mps
         self._told_s = 0.0  # of the delay, early negative; zero while the schedule is kept
 
     def take(self) -> list[str]:
         """What there is to tell since the last time, the oldest first."""
-        if not self._news:
-            return []
-        news, self._news = self._news, []
+        news, self.news = self.news, []
         return news
 
     def note_path(self, cross_m: float, tail_mps: float, cross_wind_mps: float) -> None:
@@ -53,25 +68,26 @@ class Watch:
             if not blown_off:
                 self.path = Path.BLOWN_OFF
                 wind_mps = math.hypot(tail_mps, cross_wind_mps)
-                self._news.append(
+                self.news.append(
                     f"wind above airspeed: {wind_mps:.0f} m/s, heading into it at {self._fastest_mps:.0f} m/s"
                 )
         elif blown_off:
             self.path = Path.RETURNING
-            self._news.append(f"wind below airspeed: returning to the path, {abs(cross_m):.0f} m off")
+            self.news.append(f"wind below airspeed: returning to the path, {abs(cross_m):.0f} m off")
         elif self.path is Path.RETURNING and abs(cross_m) < _ON_PATH_M:
             self.path = Path.FOLLOWED
-            self._news.append("back on the path")
+            self.news.append("back on the path")
 
-    def note_schedule(self, late_s: float, *, at_fastest: bool, at_slowest: bool) -> None:
-        """Take in the time error, late positive, and whether the airspeed is at an end of what is allowed."""
-        told_s = self._told_s
-        if told_s and (late_s * told_s <= 0.0 or abs(late_s) < _KEPT_S):
+    def note_schedule(self, late_s: float, end: End) -> None:
+        """Take in the time error, late positive, and the end of the allowed airspeeds that is flown at."""
+        if self.off_schedule and (late_s * self._told_s <= 0.0 or abs(late_s) < _KEPT_S):
+            self.off_schedule = False
             self._told_s = 0.0
-            self._news.append("schedule: kept again")
-        elif (late_s > _TELL_S and at_fastest) or (late_s < -_TELL_S and at_slowest):
-            next_s = next((step for step in _STEPS_S if step > abs(told_s)), math.inf) if told_s else _TELL_S
+            self.news.append("schedule: kept again")
+        elif (end is End.FASTEST and late_s > _TELL_S) or (end is End.SLOWEST and late_s < -_TELL_S):
+            next_s = next((step for step in _STEPS_S if step > abs(self._told_s)), math.inf)
             if abs(late_s) >= next_s:
+                self.off_schedule = True
                 self._told_s = late_s
-                end, word = ("fastest", "late") if late_s > 0.0 else ("slowest", "early")
-                self._news.append(f"schedule: at the {end}, {word} by {abs(late_s):.0f} s")
+                word = "late" if late_s > 0.0 else "early"
+                self.news.append(f"schedule: {end.value}, {word} by {abs(late_s):.0f} s")

@@ -22,6 +22,16 @@ def drifting_patches(
     )
 
 
+def size_of(hazard: NDArray[np.bool_], steps_per_stage: int) -> str:
+    """The world in words."""
+    stages, rows, columns = hazard.shape
+    shares = hazard.mean(axis=(1, 2))
+    return (
+        f"{rows} x {columns} cells, {stages} stages of {steps_per_stage} steps, "
+        f"{shares.min():.0%} to {shares.max():.0%} of the cells hazardous"
+    )
+
+
 def start_and_goals(hazard: NDArray[np.bool_], count: int = 10, seed: int = 3) -> tuple[Cell, list[Cell]]:
     """A start that is safe at first, a quarter up and in the middle, and goals that are safe at some time."""
     random = np.random.default_rng(seed + 1)

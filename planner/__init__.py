@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from planner.goal_plan import GoalPlan
-    from planner.matrices import plan
+    from planner.matrices import DeparturePlans, isochrones, plan, plan_departures
 
-__all__ = ["GoalPlan", "plan"]
+__all__ = ["DeparturePlans", "GoalPlan", "isochrones", "plan", "plan_departures"]
 
 
 def __getattr__(name: str) -> Any:

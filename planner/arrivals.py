@@ -6,6 +6,7 @@ A route is read backwards out of the sheets of the steps before.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,6 +46,14 @@ class Arrivals:
         occupied = self.can_occupy(cell)
         first = int(occupied.argmax())
         return first if occupied[first] else None
+
+    def steps_at(self, cells: Sequence[Cell]) -> NDArray[np.int32]:
+        """The earliest arrival at each of some cells, NEVER where there is none."""
+        places = [self.grid.place(cell) for cell in cells]
+        words, bits = np.array(places, dtype=np.int64).reshape(-1, 2).T
+        occupied = self.layers[:, words] >> bits.astype(np.uint64) & np.uint64(1)
+        first = occupied.argmax(axis=0)
+        return np.where(occupied.any(axis=0), first, NEVER).astype(np.int32)
 
     def field(self) -> NDArray[np.int32]:
         """The earliest arrival at every cell, shape [north, east], NEVER where there is none."""

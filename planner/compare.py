@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from statistics import fmean
@@ -59,6 +59,7 @@ def compare(
     *,
     truth: Bools | None = None,
     seed: int = 0,
+    progress: Callable[[str], None] = lambda _: None,
 ) -> list[ComparisonRow]:
     """Run each planner from `start` to each goal.
 
@@ -69,6 +70,7 @@ def compare(
         peers: name to planner.
         truth: hazard as it really is, of the problem's shape, without any margin.
         seed: for planners that draw lots.
+        progress: called with the name of each planner before it runs.
 
     Returns:
         A row for each planner and goal, planners first; the same every time, but for `wall_s`.
@@ -90,6 +92,7 @@ def compare(
     clearance = clearance_cells(problem.hazard, problem.weights.clearance_cap_cells)
     rows = []
     for name, peer in peers.items():
+        progress(name)
         for goal, optimum in zip(goals, earliest, strict=True):
             begin_s = time.perf_counter()
             route = peer.find(problem, start, goal, seed=seed)
@@ -128,7 +131,7 @@ def _row(
         arrival_step=arrival,
         delay_steps=arrival - optimum if optimum is not None and breach is None else None,
         length_cells=length,
-        waits=max(arrival - length, 0.0) if route.track is not None else arrival - length,
+        waits=_waits_steps(route),
         min_clearance_cells=min(clear),
         mean_clearance_cells=fmean(clear),
         score=problem.weights.score(
@@ -153,3 +156,14 @@ def cells_by_step(route: PeerRoute) -> tuple[Cell, ...]:
 def _length_cells(route: PeerRoute) -> float:
     places = route.cells or [(point.row, point.column) for point in route.track or ()]
     return sum(math.dist(here, there) for here, there in pairwise(places))
+
+
+def _waits_steps(route: PeerRoute) -> float:
+    """Steps spent in one place."""
+    if route.cells is not None:
+        return float(sum(here == there for here, there in pairwise(route.cells)))
+    return sum(
+        there.step - here.step
+        for here, there in pairwise(route.track or ())
+        if math.dist(here[1:], there[1:]) < 1e-9
+    )

@@ -6,6 +6,7 @@ import importlib
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +15,26 @@ from planner.errors import PlannerError
 from planner.staged import Cell, StagedProblem
 
 _COLUMNS = 4
+
+
+def check_picture(path: Path) -> None:
+    """Find out before the planners take their minutes whether their routes can be drawn.
+
+    Raises:
+        PlannerError: if matplotlib is not installed, the file is no PNG, or its folder does not exist.
+    """
+    _figures()
+    if path.suffix.lower() != ".png":
+        raise PlannerError(f"{path} does not end in .png; name a PNG for the picture")
+    if not path.parent.is_dir():
+        raise PlannerError(f"there is no folder {path.parent} for {path.name}; make it first")
+
+
+def _figures() -> Any:
+    try:
+        return importlib.import_module("matplotlib.figure")
+    except ImportError as error:
+        raise PlannerError("a picture needs matplotlib: pip install 'galeway[plot]'") from error
 
 
 def draw(problem: StagedProblem, start: Cell, rows: Sequence[ComparisonRow], path: Path) -> None:
@@ -25,10 +46,7 @@ def draw(problem: StagedProblem, start: Cell, rows: Sequence[ComparisonRow], pat
     Raises:
         PlannerError: if matplotlib is not installed.
     """
-    try:
-        figures = importlib.import_module("matplotlib.figure")
-    except ImportError as error:
-        raise PlannerError("a picture needs matplotlib: pip install 'galeway[plot]'") from error
+    figures = _figures()
     names = list(dict.fromkeys(row.peer for row in rows))
     share = np.mean(problem.hazard, axis=0)
     height, width = share.shape
@@ -50,6 +68,11 @@ def draw(problem: StagedProblem, start: Cell, rows: Sequence[ComparisonRow], pat
         for row in own:
             _draw_row(panel, row)
         panel.plot(start[1], start[0], "o", color="black", markersize=4)
+    figure.supxlabel(
+        "goals reached within the rules, of all. Blue: keeps the rules; red, dashed: breaks one; crosses: no"
+        "\nroute; dots on the way: waits; grey: share of the stages in which a cell is hazardous",
+        fontsize=8,
+    )
     figure.savefig(path, dpi=110, metadata={"Software": None})
 
 

@@ -11,21 +11,17 @@ open.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.air import Air
-from planner.hazards import StageClock
-from planner.intervals import MARGIN, SafeIntervals
-from planner.moves import Moves
+from planner.edges import Edges, Ints, TimedProblem, buckets
+from planner.intervals import SafeIntervals
 from planner.windfield import Floats
-from planner.windtriangle import arrival_times, ground_speed
 
 Cell = tuple[int, int]
-Ints = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,23 +54,6 @@ class Earliest:
         return way[::-1]
 
 
-@dataclass(frozen=True, eq=False)
-class TimedProblem:
-    """What to sweep through.
-
-    `fastest_mps`: a ground speed that no edge exceeds; it sets the width of the buckets. `guard_s`: by how
-    much a move has to end before its cells become hazardous.
-    """
-
-    intervals: SafeIntervals
-    clock: StageClock
-    air: Air
-    moves: Moves
-    airspeed_mps: float
-    fastest_mps: float
-    guard_s: float = 0.0
-
-
 def sweep(problem: TimedProblem, start: Cell, goals: Sequence[Cell] | None = None) -> Earliest:
     """Earliest arrivals from a cell left at time 0 or later; with goals, until all of them are settled.
 
@@ -87,7 +66,7 @@ def sweep(problem: TimedProblem, start: Cell, goals: Sequence[Cell] | None = Non
     open_states = np.array([first], dtype=np.intp)
     wanted = None if goals is None else np.array([intervals.place_of(*goal) for goal in goals], dtype=np.intp)
     entered = -1
-    for stage, span, end_s in _buckets(problem):
+    for stage, span, end_s in buckets(problem):
         if stage != entered:
             opened = front.enter(stage)
             entered = stage
@@ -107,42 +86,15 @@ def sweep(problem: TimedProblem, start: Cell, goals: Sequence[Cell] | None = Non
     return Earliest(intervals, front.arrive_s, front.parent, front.leave_s)
 
 
-def _buckets(problem: TimedProblem) -> Iterator[tuple[int, int, float]]:
-    """Stage, span of the air and end [s] of every bucket of the horizon, in order."""
-    widest_s = float(problem.moves.length_m.min()) / problem.fastest_mps * (1.0 - 1e-9)
-    time_s = problem.air.time_s
-    for span, (low_s, high_s) in enumerate(zip(time_s[:-1].tolist(), time_s[1:].tolist(), strict=True)):
-        count = int(np.ceil((high_s - low_s) / widest_s))
-        edges = np.linspace(low_s, high_s, count + 1).tolist()
-        stage = problem.clock.stage_at(0.5 * (low_s + high_s))
-        for end_s in edges[1:]:
-            yield stage, span, end_s
-
-
-class _Front:
+class _Front(Edges):
     """The labels of the states, and how they spread."""
 
     def __init__(self, problem: TimedProblem) -> None:
-        self.problem = problem
-        intervals, moves = problem.intervals, problem.moves
-        self.arrive_s = np.full(intervals.place.size, np.inf)
-        self.leave_s = np.full(intervals.place.size, np.nan)
-        self.parent = np.full(intervals.place.size, -1, dtype=np.int32)
-        self.shift = np.array([rows * intervals.width + columns for rows, columns in moves.offsets])
-        frame = ((0, 0), (MARGIN, MARGIN))
-        self.length_m = np.pad(moves.length_m, frame, mode="edge")
-        self.half_turn = np.pad(np.complex64(0.5) * moves.course.conj(), frame, mode="edge")
-        self.stage = 0
-        self.joint = np.zeros((len(moves.offsets), intervals.run.shape[1]), dtype=np.int16)
-        self.sheets: dict[int, NDArray[np.complex64]] = {}
-
-    def enter(self, stage: int) -> NDArray[np.bool_]:
-        """Go on to a stage; the moves [move, place] that it opens."""
-        before = self.joint
-        self.stage = stage
-        self.joint = self.problem.intervals.joint_end(stage, self.problem.moves.swept)
-        opened: NDArray[np.bool_] = (self.joint > 0) & (before == 0)
-        return opened
+        super().__init__(problem)
+        states = problem.intervals.place.size
+        self.arrive_s = np.full(states, np.inf)
+        self.leave_s = np.full(states, np.nan)
+        self.parent = np.full(states, -1, dtype=np.int32)
 
     def waiting(self, stage: int, opened: NDArray[np.bool_]) -> tuple[Ints, Ints, Floats]:
         """States that have waited for a move to open (states, moves, departures)."""
@@ -164,23 +116,12 @@ class _Front:
 
     def relax(self, states: Ints, moves: Ints, depart_s: Floats, span: int) -> Ints:
         """Make moves; the states that were reached for the first time come back."""
-        problem, intervals = self.problem, self.problem.intervals
-        source = intervals.place[states]
-        target = source + self.shift[moves]
-        row = source // intervals.width
-        half_turn = self.half_turn[moves, row]
-
-        def speed_at(place: int, which: Ints) -> Floats:
-            sheet = self._sheet(place)
-            wind = (sheet[source[which]] + sheet[target[which]]) * half_turn[which]
-            speed_mps: Floats = ground_speed(wind.real, wind.imag, problem.airspeed_mps)
-            return speed_mps
-
-        arrive_s = arrival_times(depart_s, self.length_m[moves, row], problem.air.time_s, span, speed_at)
-        state = intervals.run[self.stage][target]
+        intervals = self.problem.intervals
+        source = intervals.place[states].astype(np.intp)
+        arrive_s = self.fly(source, moves, depart_s, span)
+        state = intervals.run[self.stage][source + self.shift[moves]]
         before_s = self.arrive_s[state]
-        until_s = self.joint[moves, source] * problem.clock.stage_s
-        better = (arrive_s + problem.guard_s < until_s) & (arrive_s < before_s)
+        better = arrive_s < before_s
         state, arrive_s = state[better], arrive_s[better]
         np.minimum.at(self.arrive_s, state, arrive_s)
         won = arrive_s == self.arrive_s[state]
@@ -192,10 +133,3 @@ class _Front:
         """Whether places have been reached before a bucket's end."""
         runs = self.problem.intervals.run[:, places]
         return np.asarray(((self.arrive_s[runs] < end_s) & (runs >= 0)).any(axis=0))
-
-    def _sheet(self, place: int) -> NDArray[np.complex64]:
-        """The wind at one time, framed and flat like the intervals' places."""
-        if place not in self.sheets:
-            self.sheets.pop(place - 3, None)
-            self.sheets[place] = np.pad(self.problem.air.wind_mps[place], MARGIN, mode="edge").ravel()
-        return self.sheets[place]

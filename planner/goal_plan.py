@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,15 +10,16 @@ from planner.dead_end import DeadEnd
 from planner.ground import Cell
 from planner.route import Route
 from planner.staged import StageEnd
+from planner.survival import Survival
 
 
 @dataclass(frozen=True, slots=True)
 class GoalPlan:
     """What was found for one goal.
 
-    `route` is None where `reason` says why. `stages`: the best route so far at the end of each stage, with
-    the objective "score". `gap`: how far the score may lie from the optimum (exact). `survival`,
-    `members_survived` of `members`, `abstained`: of objective "survival".
+    `route` is None where `reason` says why. `stages`: the best route so far at the end of each stage, by the
+    plan's objective. `gap`: how far the score may lie from the optimum (exact). `chance` to survive and
+    `abstained`: where a probability of hazard is known.
     """
 
     goal: Cell
@@ -28,9 +30,7 @@ class GoalPlan:
     dead_end: DeadEnd | None = None
     stages: tuple[StageEnd, ...] = ()
     gap: float | None = None
-    survival: float | None = None
-    members_survived: int | None = None
-    members: int | None = None
+    chance: Survival | None = None
     abstained: bool = False
 
     @property
@@ -54,8 +54,11 @@ class GoalPlan:
             return common
         route = self.route
         common |= {
+            "depart_step": route.first_step,
+            "depart_min": route.first_step * self.step_s / 60.0,
             "arrival_step": route.arrival_step,
             "arrival_min": route.arrival_step * self.step_s / 60.0,
+            "flight_min": (route.arrival_step - route.first_step) * self.step_s / 60.0,
             "earliest_step": self.earliest_step,
             "waits": route.waits,
             "moves": route.moves,
@@ -70,22 +73,29 @@ class GoalPlan:
             "route": [list(place) for place in route.steps],
         }
         if self.stages:
-            common["stages"] = [
-                {
-                    "stage": end.stage,
-                    "reachable": end.best is not None,
-                    "arrival_step": end.best.arrival_step if end.best else None,
-                    "score": end.best.score if end.best else None,
-                }
-                for end in self.stages
-            ]
-        optional = {
-            "gap": self.gap,
-            "survival": self.survival,
-            "members_survived": self.members_survived,
-            "members": self.members,
-        }
-        common |= {name: value for name, value in optional.items() if value is not None}
-        if self.survival is not None:
+            common["stages"] = list(self._stages())
+        if self.gap is not None:
+            common["gap"] = self.gap
+        if self.chance is not None:
+            common |= {"survival": self.chance.at_least, "survival_at_most": self.chance.at_most}
+            if self.chance.members is not None:
+                common["members_survived"] = self.chance.members_survived
+                common["members"] = self.chance.members
             common["abstained"] = self.abstained
         return common
+
+    def _stages(self) -> Iterator[dict[str, Any]]:
+        """The stages; a route is written where it is new, else that of the stage before holds."""
+        before = None
+        for end in self.stages:
+            best = end.best
+            entry: dict[str, Any] = {
+                "stage": end.stage,
+                "reachable": best is not None,
+                "arrival_step": best.arrival_step if best else None,
+                "score": best.score if best else None,
+            }
+            if best is not None and best != before:
+                entry["route"] = [list(place) for place in best.steps]
+            before = best
+            yield entry

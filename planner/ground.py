@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 
-from planner.errors import BadFieldError, OutsideGridError
+from planner.errors import BadFieldError, OutsideGridError, PlannerError
 from planner.hazards import OFFSETS, Bools, Move, StageClock
 
 Cell = tuple[int, int]
@@ -60,6 +61,15 @@ class Ground:
                 f"the {name} ({cell[0]}, {cell[1]}) lies off the grid of {rows} rows and {columns} columns; "
                 "rows and columns count from 0"
             )
+
+    def check_departures(self, start: Cell, goals: Iterable[Cell], slots: Iterable[int]) -> None:
+        """Raise a PlannerError if a cell lies off the grid or a step of departure outside the horizon."""
+        for name, cell in (("start", start), *(("goal", goal) for goal in goals)):
+            self.check_cell(name, cell)
+        steps = self.clock.step_count
+        for slot in slots:
+            if not 0 <= slot < steps:
+                raise PlannerError(f"departure at step {slot} is not within the horizon of {steps} steps")
 
     def may_move(self, step: int, here: Cell, move: Move) -> bool:
         """Whether a move that ends at a step may leave a safe cell; it must stay on the grid."""

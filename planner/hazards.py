@@ -92,11 +92,6 @@ def sheets(wind: WindField, clock: StageClock, stage: int) -> Iterator[tuple[Fie
 def hazard_stages(wind: WindField, clock: StageClock, *, threshold_mps: float, corridor_m: float) -> Bools:
     """Cells near which the wind exceeds the threshold at any time of a stage.
 
-    A cell's room is the square reaching `corridor_m` from its centre to each side; with strict occupancy the
-    whole corridor of that half width around every move is then below the threshold. (Wind is bilinear between
-    cell centres, so on the quarter squares between a centre and its room's corners it is a blend of nine
-    values, and speed, being convex, is largest at one of the nine.)
-
     Args:
         wind: two-dimensional field on the planner's grid, toward [m/s].
         clock: the stages.
@@ -105,6 +100,22 @@ def hazard_stages(wind: WindField, clock: StageClock, *, threshold_mps: float, c
 
     Returns:
         Hazard matrices, shape [stage, north, east].
+    """
+    return strongest_mps(wind, clock, corridor_m=corridor_m) > threshold_mps
+
+
+def strongest_mps(wind: WindField, clock: StageClock, *, corridor_m: float) -> FieldArray:
+    """The largest wind speed in each cell's room at any time of each stage [m/s], [stage, north, east].
+
+    A cell's room is the square reaching `corridor_m` from its centre to each side; with strict occupancy the
+    whole corridor of that half width around every move is then no windier than its two cells. (Wind is
+    bilinear between cell centres, so on the quarter squares between a centre and its room's corners it is a
+    blend of nine values, and speed, being convex, is largest at one of the nine.)
+
+    Args:
+        wind: two-dimensional field on the planner's grid, toward [m/s].
+        clock: the stages.
+        corridor_m: half width of the room that the aircraft needs [m], less than one cell.
     """
     smallest_cell_m = float(min(wind.grid.north_cell_m.min(), wind.grid.east_cell_m.min()))
     if not 0.0 <= corridor_m < smallest_cell_m:
@@ -116,9 +127,9 @@ def hazard_stages(wind: WindField, clock: StageClock, *, threshold_mps: float, c
     east_share = corridor_m / float(wind.grid.east_cell_m.min())
     return np.stack(
         [
-            np.logical_or.reduce(
+            np.maximum.reduce(
                 [
-                    _largest_speed_in_room(north, east, north_share, east_share) > threshold_mps
+                    _largest_speed_in_room(north, east, north_share, east_share)
                     for north, east in sheets(wind, clock, stage)
                 ]
             )

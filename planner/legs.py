@@ -98,8 +98,10 @@ def _shares(line_m: Floats, first: int, last: Ints) -> Floats:
     return np.where(crossed < 0, 1.0, (line_m[crossed] - line_m[first]) / whole_m[:, np.newaxis])
 
 
-def fly(country: Country, legs: Legs, depart_s: float, airspeed_mps: float) -> Floats:
-    """When the cuts of legs are passed at one true airspeed [s since departure], shape [leg, cut].
+def fly(country: Country, legs: Legs, depart_s: float, airspeed_mps: float | Floats) -> Floats:
+    """When the cuts of legs are passed at a true airspeed [s since departure], shape [leg, cut].
+
+    One airspeed serves all legs, or an array of shape [leg, 1] each its own.
 
     Time is the integral of length over ground speed (by Simpson's rule); the wind in it is that at the time
     of passage, found by repeated substitution (the wind changes little in the seconds by which a round is
@@ -139,27 +141,41 @@ class _Blend:
         low_row = np.minimum(row.astype(np.intp), max(rows - 2, 0))
         low_column = np.minimum(column.astype(np.intp), max(columns - 2, 0))
         up, right = row - low_row, column - low_column
-        high_row, high_column = np.minimum(low_row + 1, rows - 1), np.minimum(low_column + 1, columns - 1)
+        corner = low_row * columns + low_column
+        north, east = (columns if rows > 1 else 0), (1 if columns > 1 else 0)
+        both = up * right
         self.corners = [
-            (low_row * columns + low_column, (1.0 - up) * (1.0 - right)),
-            (low_row * columns + high_column, (1.0 - up) * right),
-            (high_row * columns + low_column, up * (1.0 - right)),
-            (high_row * columns + high_column, up * right),
+            (corner, 1.0 - up - right + both),
+            (corner + east, right - both),
+            (corner + north, up - both),
+            (corner + north + east, both),
         ]
         self.time_s = air.time_s
         self.sheets = air.wind_mps.reshape(-1)
         self.size = rows * columns
+        self.first = np.full(row.shape, -1, dtype=np.intp)
+        self.wind_mps, self.change_mps = np.zeros((2, *row.shape), dtype=np.complex128)
 
     def wind(self, time_s: Floats) -> NDArray[np.complex128]:
         """North + i east at a time for each place; before the first and behind the last time, as there."""
         place = np.interp(time_s, self.time_s, np.arange(self.time_s.size))
         first = np.minimum(place.astype(np.intp), self.time_s.size - 2)
-        later = place - first
-        total = np.zeros(time_s.shape, dtype=np.complex128)
+        moved = np.nonzero(first != self.first)
+        if moved[0].size:
+            self._read(moved, first[moved])
+        wind_mps: NDArray[np.complex128] = self.wind_mps + (place - first) * self.change_mps
+        return wind_mps
+
+    def _read(self, where: tuple[NDArray[np.intp], ...], first: Ints) -> None:
+        """Take over the wind of the span of time that some places have come into."""
+        low, high = np.zeros((2, first.size), dtype=np.complex128)
         for corner, weight in self.corners:
-            at = first * self.size + corner
-            total += weight * ((1.0 - later) * self.sheets[at] + later * self.sheets[at + self.size])
-        return total
+            at, share = first * self.size + corner[where], weight[where]
+            low += share * self.sheets[at]
+            high += share * self.sheets[at + self.size]
+        self.first[where] = first
+        self.wind_mps[where] = low
+        self.change_mps[where] = high - low
 
 
 def are_safe(country: Country, legs: Legs, time_s: Floats) -> NDArray[np.bool_]:

@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Sequence
-from typing import Literal
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from planner.arrivals import Arrivals, sweep_arrivals
-from planner.dead_end import dead_ends
-from planner.errors import BadFieldError, PlannerError
-from planner.exact import search_exact
+from planner.arrivals import sweep_arrivals
+from planner.departure_table import DepartureTable
+from planner.departures import BestBy, choose_slots, first_safe_slot, search_departures, slots_in_steps
+from planner.errors import PlannerError
 from planner.goal_plan import GoalPlan
-from planner.ground import Cell, Ground, Occupancy
-from planner.hazards import Bools, StageClock
-from planner.route import evaluate
+from planner.ground import Occupancy
+from planner.matrix_input import BLUR_CELLS, MatrixProblem
+from planner.matrix_search import Objective, plan_goals
 from planner.score import Weights
-from planner.staged import Blocked, StagedProblem, search, why_blocked
-from planner.survival import probability_from_members, search_survival
+from planner.survival import survival_by_departure
 
-Objective = Literal["earliest", "score", "survival"]
 OBJECTIVES: tuple[Objective, ...] = ("earliest", "score", "survival")
 
 
@@ -37,8 +35,9 @@ def plan(
     occupancy: Occupancy | str = Occupancy.PAPER,
     exact: bool = False,
     depart_step: int = 0,
+    members: ArrayLike | None = None,
     probability: ArrayLike | None = None,
-    blur_cells: float = 3.0,
+    blur_cells: float = BLUR_CELLS,
     abstain_below: float = 0.0,
 ) -> list[GoalPlan]:
     """Plan on hazard matrices.
@@ -55,9 +54,12 @@ def plan(
         occupancy: "paper" or "strict"; see Occupancy.
         exact: with "score": the true optimum and its gap instead of the one-label value.
         depart_step: the step of departure.
-        probability: with "survival": the chance of hazard [stage, row, column]; made from `hazards` if None.
-        blur_cells: with "survival": blur of the share of members, in cells.
-        abstain_below: with "survival": the least chance to survive.
+        members: an ensemble [member, stage, row, column] beside `hazards`: the routes of any objective are
+            counted in it, and with "survival" planned on it.
+        probability: the chance of hazard [stage, row, column]; made from the ensemble if None. It is what
+            survival is planned by, and with any objective reported from.
+        blur_cells: blur of the share of members, in cells.
+        abstain_below: the least chance to survive.
 
     Returns:
         One result a goal, in their order.
@@ -69,186 +71,152 @@ def plan(
         raise PlannerError(f"the objective {objective!r} is unknown; choose one of {', '.join(OBJECTIVES)}")
     if exact and objective != "score":
         raise PlannerError(f"exact applies to the objective 'score', not {objective!r}; leave it out")
-    members = _members(hazards, objective)
-    clock = _clock(members.shape[1], steps_per_stage, step_s, depart_step)
-    try:
-        how = Occupancy(occupancy)
-    except ValueError:
-        raise PlannerError(f"the occupancy {occupancy!r} is unknown; choose paper or strict") from None
-    problem = StagedProblem(members[0], clock, weights or Weights(), how)
-    begin = _cell("start", start)
-    ends = [_cell("goal", goal) for goal in goals]
-    if not ends:
-        raise PlannerError("no goal is given; name at least one (row, column)")
-    ground = problem.ground
-    for name, cell in (("start", begin), *(("goal", goal) for goal in ends)):
-        ground.check_cell(name, cell)
-    if objective == "survival":
-        chance = _probability(probability, members, blur_cells)
-        return _by_survival(problem, chance, members, begin, ends, depart_step, abstain_below)
-    if objective == "earliest":
-        return _by_arrival(problem, begin, ends, depart_step)
-    return _by_score(problem, begin, ends, depart_step, exact=exact)
-
-
-def _members(hazards: ArrayLike, objective: str) -> Bools:
-    """The matrices as [member, stage, row, column]."""
-    try:
-        array = np.asarray(hazards)
-        bad = array.dtype.kind not in "biuf"
-    except ValueError:
-        raise BadFieldError("the hazard matrices disagree in shape; give one shape for all stages") from None
-    if bad:
-        raise BadFieldError(f"hazard matrices of type {array.dtype}; give numbers or booleans")
-    dimensions = (3, 4) if objective == "survival" else (3,)
-    if array.ndim not in dimensions:
-        raise BadFieldError(
-            f"hazard matrices of shape {array.shape}; give [stage, row, column]"
-            + (
-                " or [member, stage, row, column]"
-                if objective == "survival"
-                else ", or pick one by its index"
-            )
-        )
-    if not array.size:
-        raise BadFieldError(f"hazard matrices of shape {array.shape} are empty; give a stage with a cell")
-    if array.dtype.kind == "f" and not np.isfinite(array).all():
-        at = tuple(int(index) for index in np.argwhere(~np.isfinite(array))[0])
-        raise BadFieldError(f"the hazard at {at} is {array[at]}; give 0 for safe and 1 for hazard")
-    hazard = np.asarray(array != 0, dtype=np.bool_)
-    return hazard[None] if hazard.ndim == 3 else hazard
-
-
-def _clock(stages: int, steps_per_stage: int, step_s: float, depart_step: int) -> StageClock:
-    if not np.isfinite(step_s):
-        raise BadFieldError(f"a step of {step_s} s; give a finite number above 0")
-    clock = StageClock(0.0, stages, _whole("steps per stage", steps_per_stage), step_s)
-    if not 0 <= _whole("departure step", depart_step) < clock.step_count:
-        raise PlannerError(
-            f"departure at step {depart_step} is not within the horizon of {clock.step_count} steps"
-        )
-    return clock
-
-
-def _whole(name: str, value: int) -> int:
-    try:
-        return operator.index(value)
-    except TypeError:
-        raise PlannerError(f"the {name} {value!r} is not a whole number") from None
-
-
-def _cell(name: str, cell: Sequence[int]) -> Cell:
-    try:
-        row, column = cell
-    except (TypeError, ValueError):
-        raise PlannerError(f"the {name} {cell!r} is not a (row, column)") from None
-    return _whole(f"{name}'s row", row), _whole(f"{name}'s column", column)
-
-
-def _probability(given: ArrayLike | None, members: Bools, blur_cells: float) -> NDArray[np.float64]:
-    if given is None:
-        return probability_from_members(members, blur_cells=blur_cells)
-    return np.asarray(given, dtype=np.float64)
-
-
-def _by_score(
-    problem: StagedProblem, start: Cell, goals: list[Cell], depart_step: int, *, exact: bool
-) -> list[GoalPlan]:
-    found = search(problem, start, goals, first_step=depart_step)
-    step_s = problem.clock.step_s
-    plans = [
-        GoalPlan(
-            entry.goal,
-            step_s,
-            entry.best,
-            str(entry.blocked or ""),
-            entry.earliest.arrival_step if entry.earliest else None,
-            entry.dead_end,
-            entry.stages if entry.best else (),
-        )
-        for entry in found
-    ]
-    if not exact or not any(entry.best for entry in found):
-        return plans
-    best = search_exact(problem, start, goals, first_step=depart_step)
-    return [
-        GoalPlan(
-            plan.goal,
-            step_s,
-            optimum.route,
-            earliest_step=plan.earliest_step,
-            stages=plan.stages,
-            gap=optimum.gap,
-        )
-        if optimum.route
-        else plan
-        for plan, optimum in zip(plans, best, strict=True)
-    ]
-
-
-def _by_arrival(problem: StagedProblem, start: Cell, goals: list[Cell], depart_step: int) -> list[GoalPlan]:
-    arrivals = sweep_arrivals(problem.ground, start, first_step=depart_step)
-    clearance = problem.clearance()
-    found = {goal: arrivals.route(goal) for goal in goals}
-    missed = [goal for goal, cells in found.items() if cells is None]
-    explained = dict(zip(missed, _without_route(problem.ground, arrivals, start, missed), strict=True))
-    plans = []
-    for goal in goals:
-        cells = found[goal]
-        if cells is None:
-            plans.append(explained[goal])
-        else:
-            route = evaluate(cells, clearance, problem.clock, problem.weights, depart_step)
-            plans.append(GoalPlan(goal, problem.clock.step_s, route, earliest_step=route.arrival_step))
-    return plans
-
-
-def _by_survival(
-    problem: StagedProblem,
-    probability: NDArray[np.float64],
-    members: Bools,
-    start: Cell,
-    goals: list[Cell],
-    depart_step: int,
-    abstain_below: float,
-) -> list[GoalPlan]:
-    ground = Ground(np.zeros_like(problem.hazard), problem.clock, problem.occupancy)
-    found = search_survival(
-        probability,
-        ground,
+    asked = MatrixProblem.checked(
+        hazards,
         start,
         goals,
-        members=members if len(members) > 1 else None,
+        survival=objective == "survival",
+        steps_per_stage=steps_per_stage,
+        step_s=step_s,
+        weights=weights,
+        occupancy=occupancy,
+        members=members,
+        probability=probability,
+        blur_cells=blur_cells,
         abstain_below=abstain_below,
-        first_step=depart_step,
     )
-    clearance = problem.clearance()
-    plans = []
-    for safest in found:
-        if not safest.cells:
-            reason = "no way leads there that is not certain to meet hazard"
-            plans.append(GoalPlan(safest.goal, problem.clock.step_s, None, reason))
-            continue
-        route = evaluate(safest.cells, clearance, problem.clock, problem.weights, depart_step)
-        plans.append(
-            GoalPlan(
-                safest.goal,
-                problem.clock.step_s,
-                route,
-                survival=safest.survival,
-                members_survived=safest.members_survived,
-                members=safest.members,
-                abstained=safest.abstained,
-            )
-        )
-    return plans
+    return plan_goals(asked, asked.goals, objective, asked.departure(depart_step), exact=exact)
 
 
-def _without_route(ground: Ground, arrivals: Arrivals, start: Cell, missed: list[Cell]) -> list[GoalPlan]:
-    step_s = ground.clock.step_s
-    if ground.hazard[ground.clock.stage_of_step(arrivals.first_step)][start]:
-        return [GoalPlan(goal, step_s, None, str(Blocked.START_IN_HAZARD)) for goal in missed]
+@dataclass(frozen=True, slots=True)
+class DeparturePlans:
+    """One result a goal, each from the departure chosen for it, and the table that it was chosen from."""
+
+    goals: list[GoalPlan]
+    table: DepartureTable
+
+    def to_dict(self) -> dict[str, Any]:
+        """Both as plain numbers and lists, for JSON."""
+        return {"goals": [goal.to_dict() for goal in self.goals], "departures": self.table.to_dict()}
+
+
+def plan_departures(
+    hazards: ArrayLike,
+    start: Sequence[int],
+    goals: Sequence[Sequence[int]],
+    departures_min: tuple[float, float, float],
+    *,
+    best_by: BestBy | str = BestBy.ARRIVAL,
+    distinct: bool = False,
+    steps_per_stage: int = 30,
+    step_s: float = 120.0,
+    weights: Weights | None = None,
+    occupancy: Occupancy | str = Occupancy.PAPER,
+    members: ArrayLike | None = None,
+    probability: ArrayLike | None = None,
+    blur_cells: float = BLUR_CELLS,
+    abstain_below: float = 0.0,
+) -> DeparturePlans:
+    """Search every departure slot on hazard matrices, and plan from the best one for each goal.
+
+    Args:
+        hazards: as for `plan`; an ensemble with `best_by` "survival".
+        start: (row, column), counted from 0.
+        goals: (row, column) of each goal.
+        departures_min: first and last departure and the time between two, in minutes from step 0.
+        best_by: "arrival", "flight" or "survival"; the routes are of earliest arrival, or the safest.
+        distinct: one vehicle to each goal, no two in a slot, at the least total of flight minutes and 1440
+            for each goal not reached; `best_by` then only says which routes are meant.
+        steps_per_stage: steps that each matrix holds for.
+        step_s: length of a step [s].
+        weights: of equation (2), to score the routes.
+        occupancy: "paper" or "strict".
+        members: an ensemble beside `hazards`.
+        probability: the chance of hazard [stage, row, column].
+        blur_cells: blur of the share of members, in cells.
+        abstain_below: the least chance to survive.
+
+    Raises:
+        PlannerError: for input that makes no sense; the message says what and what to give instead.
+    """
+    by = BestBy.named(best_by)
+    safest = by is BestBy.SURVIVAL
+    asked = MatrixProblem.checked(
+        hazards,
+        start,
+        goals,
+        survival=safest,
+        steps_per_stage=steps_per_stage,
+        step_s=step_s,
+        weights=weights,
+        occupancy=occupancy,
+        members=members,
+        probability=probability,
+        blur_cells=blur_cells,
+        abstain_below=abstain_below,
+    )
+    slots = slots_in_steps(*departures_min, asked.problem.clock)
+    if safest and asked.probability is not None:
+        searched = survival_by_departure(asked.probability, asked.closed, asked.start, asked.goals, slots)
+    else:
+        searched = search_departures(asked.closed, asked.start, asked.goals, slots)
+    chosen = choose_slots(searched, by, distinct=distinct)
+    names = tuple(f"{row},{column}" for row, column in asked.goals)
+    table = DepartureTable(searched, by, distinct, chosen, names)
+    return DeparturePlans(_from_chosen(asked, table), table)
+
+
+def _from_chosen(asked: MatrixProblem, table: DepartureTable) -> list[GoalPlan]:
+    """Each goal's plan from its slot; of a goal without one, why, from the first slot with a safe start."""
+    objective: Objective = "survival" if table.best_by is BestBy.SURVIVAL else "earliest"
+    fallback = first_safe_slot(asked.closed, asked.start, table.departures.slots)
+    by_step: dict[int, list[int]] = {}
+    for goal in range(len(asked.goals)):
+        step = table.step_of(goal)
+        by_step.setdefault(fallback if step is None else step, []).append(goal)
+    plans: dict[int, GoalPlan] = {}
+    for step, which in by_step.items():
+        found = plan_goals(asked, [asked.goals[goal] for goal in which], objective, step)
+        plans.update(zip(which, found, strict=True))
     return [
-        GoalPlan(goal, step_s, None, str(why_blocked(ground, goal)), dead_end=end)
-        for goal, end in zip(missed, dead_ends(arrivals, missed), strict=True)
+        GoalPlan(plan.goal, plan.step_s, None, table.no_slot_left)
+        if plan.reachable and table.step_of(goal) is None
+        else plan
+        for goal, plan in sorted(plans.items())
     ]
+
+
+def isochrones(
+    hazards: ArrayLike,
+    start: Sequence[int],
+    *,
+    steps_per_stage: int = 30,
+    step_s: float = 120.0,
+    occupancy: Occupancy | str = Occupancy.PAPER,
+    depart_step: int = 0,
+) -> NDArray[np.int32]:
+    """The step at which each cell is first reached, shape [row, column], -1 where it never is.
+
+    Args:
+        hazards: [stage, row, column], anything but zero is hazard.
+        start: (row, column), counted from 0.
+        steps_per_stage: steps that each matrix holds for.
+        step_s: length of a step [s].
+        occupancy: "paper" or "strict".
+        depart_step: the step of departure.
+
+    Raises:
+        PlannerError: for input that makes no sense; the message says what and what to give instead.
+    """
+    asked = MatrixProblem.checked(
+        hazards,
+        start,
+        [start],
+        survival=False,
+        steps_per_stage=steps_per_stage,
+        step_s=step_s,
+        weights=None,
+        occupancy=occupancy,
+    )
+    first_step = asked.departure(depart_step)
+    return sweep_arrivals(asked.problem.ground, asked.start, first_step=first_step).field()

@@ -7,41 +7,39 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.consumption import FuelFlow
 from planner.errors import PlannerError
-from planner.grid import Grid, geodesic_m
+from planner.grid import Grid
 from planner.ground import Cell, Occupancy
-from planner.hazards import StageClock, clearance_m, flyable_moves, hazard_stages
-from planner.plans import GoalOutcome, Plan, Waypoint
+from planner.hazards import StageClock, clearance_m, flyable_moves, strongest_mps
+from planner.place import Place
+from planner.plans import GoalOutcome, Plan
 from planner.route import Route
 from planner.score import Weights
-from planner.staged import Blocked, GoalRoutes, StagedProblem, search
-from planner.windfield import WindField
+from planner.staged import Blocked, GoalRoutes, StagedProblem, StageEnd, ends_of_earliest, search
+from planner.staged_outcome import length_m, nearest_place, stage_outcomes, waypoints
+from planner.survival import check_level, probability_from_forecast, search_survival, survival_of
+from planner.windfield import FieldArray, Floats, WindField
 
+__all__ = ["OBJECTIVES", "Place", "PlanningRequest", "StagedMission", "plan_staged", "staged_problem"]
 
-@dataclass(frozen=True, slots=True)
-class Place:
-    """A named position, geodetic WGS84 [deg]."""
+Way = tuple[Route | None, Sequence[StageEnd]]
+"""A route, if there is one, and the best routes so far at the end of each stage."""
 
-    name: str
-    lat_deg: float
-    lon_deg: float
-
-    def cell(self, grid: Grid, what: str) -> Cell:
-        """The grid cell it lies in; raises OutsideGridError off the grid."""
-        lat_rad, lon_rad = math.radians(self.lat_deg), math.radians(self.lon_deg)
-        return grid.nearest_cell(lat_rad, lon_rad, f"{what} {self.name}")
+OBJECTIVES = ("earliest", "score", "survival")
 
 
 @dataclass(frozen=True, slots=True)
 class PlanningRequest:
     """What the staged planner is asked.
 
-    `objective`: which arrival the route takes, "earliest" or "score". `corridor_m`: half width of the room
-    kept below the threshold around every move. The airspeeds are the aircraft's envelope. Only the wind-aware
-    planner uses `cruise_mps`, the true airspeed on its legs (None: in the middle of the envelope), and
-    `wait_min_s`, the shortest wait that can be flown as a loiter.
+    `objective`: which arrival the route takes, "earliest", "score" or "survival". `corridor_m`: half width of
+    the room kept below the threshold around every move. The airspeeds are the aircraft's envelope.
+    `forecast_error_mps`: standard deviation of the forecast's wind speed, 0 if it is taken as right;
+    `abstain_below`: the least chance to survive. Only the wind-aware planner uses `cruise_mps`, the true
+    airspeed on its legs (None: in the middle of the envelope), `wait_min_s`, the shortest wait that can be
+    flown as a loiter, and `fuel_flow`, the aircraft's consumption at the altitude (for "fuel").
     """
 
     start: Place
@@ -57,6 +55,9 @@ class PlanningRequest:
     weights: Weights = Weights()  # noqa: RUF009 - frozen
     cruise_mps: float | None = None
     wait_min_s: float = 120.0
+    forecast_error_mps: float = 0.0
+    abstain_below: float = 0.0
+    fuel_flow: FuelFlow | None = None
 
 
 def plan_staged(wind: WindField, request: PlanningRequest) -> Plan:
@@ -70,35 +71,152 @@ def plan_staged(wind: WindField, request: PlanningRequest) -> Plan:
         The plan to `request.goal`, without waypoints where it cannot be reached, and every goal's outcome.
 
     Raises:
-        PlannerError: if the goal is not one of the goals, or a position lies off the grid.
+        PlannerError: if the goal is not one of the goals, a position lies off the grid, or the objective is
+            not one of this planner's.
     """
+    return StagedMission.prepare(wind, request).plan()
+
+
+@dataclass(frozen=True, eq=False)
+class StagedMission:
+    """A request on its grid, with what is made from the wind once for every departure within the horizon.
+
+    `probability`: of hazard, [stage, north, east], None where the forecast is taken as right. `clear_m`: the
+    distance to hazard in each stage.
+    """
+
+    request: PlanningRequest
+    grid: Grid
+    problem: StagedProblem
+    probability: Floats | None
+    clear_m: tuple[Floats, ...]
+    start: Cell
+    goals: tuple[Cell, ...]
+
+    @classmethod
+    def prepare(cls, wind: WindField, request: PlanningRequest) -> StagedMission:
+        """Make hazard, flyable moves and probabilities; raises as `plan_staged` does."""
+        _check_request(request)
+        strongest = _strongest_mps(wind, request)
+        problem = _problem(wind, request, strongest)
+        probability = None
+        if request.forecast_error_mps:
+            probability = probability_from_forecast(
+                strongest.astype(np.float64),
+                threshold_mps=request.threshold_mps,
+                error_mps=request.forecast_error_mps,
+            )
+        return cls(
+            request,
+            wind.grid,
+            problem,
+            probability,
+            tuple(clearance_m(wind.grid, stage) for stage in problem.hazard),
+            request.start.cell(wind.grid, "start"),
+            tuple(goal.cell(wind.grid, "goal") for goal in request.goals),
+        )
+
+    def plan(self, *, goal: str | None = None, first_step: int = 0) -> Plan:
+        """Plan from one departure.
+
+        Args:
+            goal: the name of the goal to plan to, if not the request's.
+            first_step: the step of departure; all times of the plan count from it.
+        """
+        request, clock = self.request, self.problem.clock
+        goal = request.goal if goal is None else goal
+        found = _search(self.problem, self.start, self.goals, first_step)
+        chosen = self._chosen(found, first_step)
+        route = next(
+            route for place, (route, _) in zip(request.goals, chosen, strict=True) if place.name == goal
+        )
+        return Plan(
+            planner="staged",
+            objective=request.objective,
+            departure_s=clock.departure_s + first_step * clock.step_s,
+            goal=goal,
+            waypoints=waypoints(route, self.grid, clock, request.altitude_m) if route else (),
+            goals=tuple(
+                self._outcome(place, routes, *way, first_step)
+                for place, routes, way in zip(request.goals, found, chosen, strict=True)
+            ),
+        )
+
+    def _chosen(self, found: Sequence[GoalRoutes], first_step: int) -> list[Way]:
+        """Of each goal the route by the objective, and the best so far of each stage."""
+        if self.request.objective == "score":
+            return [(routes.best, routes.stages) for routes in found]
+        clock = self.problem.clock
+        if self.request.objective == "earliest" or self.probability is None:
+            earliest = [routes.earliest for routes in found]
+            return [(route, ends_of_earliest(route, clock) if route else ()) for route in earliest]
+        safest = search_survival(
+            self.probability,
+            self.problem.ground,
+            self.start,
+            self.goals,
+            first_step=first_step,
+            by_stage=True,
+        )
+        clearance, weights = self.problem.clearance(), self.request.weights
+        return [way.evaluated(clearance, clock, weights) if way.cells else (None, ()) for way in safest]
+
+    def _outcome(
+        self,
+        goal: Place,
+        routes: GoalRoutes,
+        route: Route | None,
+        ends: Sequence[StageEnd],
+        first_step: int,
+    ) -> GoalOutcome:
+        grid, clock = self.grid, self.problem.clock
+        known = GoalOutcome(goal.name, goal.lat_deg, goal.lon_deg, reachable=False)
+        if route is None or routes.earliest is None:
+            end = routes.dead_end
+            cell = goal.cell(grid, "goal")
+            return replace(
+                known,
+                reason=str(routes.blocked),
+                nearest=nearest_place(end, cell, grid, clock, first_step),
+                last_door_stage=end.last_door_stage if end else None,
+            )
+        steps = enumerate(route.cells, first_step)
+        nearest_m = min(float(self.clear_m[clock.stage_of_step(step)][cell]) for step, cell in steps)
+        known = replace(
+            known,
+            reachable=True,
+            earliest_arrival_s=(routes.earliest.arrival_step - first_step) * clock.step_s,
+            arrival_s=(route.arrival_step - first_step) * clock.step_s,
+            length_m=length_m(route, grid),
+            waiting_s=route.waits * clock.step_s,
+            score=route.score,
+            terms=route.terms,
+            min_clearance_m=nearest_m if math.isfinite(nearest_m) else None,
+            stages=stage_outcomes(ends, clock),
+        )
+        if self.probability is None:
+            return known
+        chance = survival_of(route.cells, first_step, self.probability, clock)
+        return replace(
+            known,
+            survival=chance.at_least,
+            survival_at_most=chance.at_most,
+            abstained=chance.below(self.request.abstain_below),
+        )
+
+
+def _check_request(request: PlanningRequest) -> None:
     if request.goal not in (goal.name for goal in request.goals):
         raise PlannerError(f"no goal is named {request.goal!r}; there are {_names(request.goals)}")
-    grid, clock = wind.grid, request.clock
-    problem = staged_problem(wind, request)
-    found = _search(
-        problem,
-        request.start.cell(grid, "start"),
-        [goal.cell(grid, "goal") for goal in request.goals],
-    )
-    chosen = {
-        goal.name: routes.earliest if request.objective == "earliest" else routes.best
-        for goal, routes in zip(request.goals, found, strict=True)
-    }
-    clear_m = [clearance_m(grid, stage) for stage in problem.hazard]
-    outcomes = tuple(
-        _outcome(goal, routes, chosen[goal.name], clear_m, clock, grid)
-        for goal, routes in zip(request.goals, found, strict=True)
-    )
-    route = chosen[request.goal]
-    return Plan(
-        planner="staged",
-        objective=request.objective,
-        departure_s=clock.departure_s,
-        goal=request.goal,
-        waypoints=_waypoints(route, grid, clock, request.altitude_m) if route else (),
-        goals=outcomes,
-    )
+    if request.objective not in OBJECTIVES:
+        raise PlannerError(
+            f"the staged planner has no objective {request.objective!r}; choose {', '.join(OBJECTIVES)}"
+        )
+    check_level(request.abstain_below)
+    if request.forecast_error_mps == 0.0 and (request.objective == "survival" or request.abstain_below > 0.0):
+        raise PlannerError(
+            "a chance to survive needs an error of the forecast, but forecast_error_mps is 0; raise it"
+        )
 
 
 def staged_problem(wind: WindField, request: PlanningRequest) -> StagedProblem:
@@ -107,12 +225,17 @@ def staged_problem(wind: WindField, request: PlanningRequest) -> StagedProblem:
     Raises:
         PlannerError: if no wind below the threshold makes the cells flyable in a step.
     """
+    return _problem(wind, request, _strongest_mps(wind, request))
+
+
+def _strongest_mps(wind: WindField, request: PlanningRequest) -> FieldArray:
     _check_ground_speed(wind.grid, request)
-    hazard = hazard_stages(
-        wind, request.clock, threshold_mps=request.threshold_mps, corridor_m=request.corridor_m
-    )
+    return strongest_mps(wind, request.clock, corridor_m=request.corridor_m)
+
+
+def _problem(wind: WindField, request: PlanningRequest, strongest: FieldArray) -> StagedProblem:
     return StagedProblem(
-        hazard,
+        strongest > request.threshold_mps,
         request.clock,
         request.weights,
         Occupancy.STRICT,
@@ -125,12 +248,12 @@ def staged_problem(wind: WindField, request: PlanningRequest) -> StagedProblem:
     )
 
 
-def _search(problem: StagedProblem, start: Cell, goals: Sequence[Cell]) -> list[GoalRoutes]:
+def _search(problem: StagedProblem, start: Cell, goals: Sequence[Cell], first_step: int) -> list[GoalRoutes]:
     """Search, and search once more without the aircraft's limits to tell which goals only they put off."""
-    found = search(problem, start, goals)
+    found = search(problem, start, goals, first_step=first_step)
     if all(routes.blocked is not Blocked.NEVER_REACHABLE for routes in found):
         return found
-    with_any_airspeed = search(replace(problem, flyable=None), start, goals)
+    with_any_airspeed = search(replace(problem, flyable=None), start, goals, first_step=first_step)
     return [
         replace(routes, blocked=Blocked.NOT_FLYABLE)
         if routes.blocked is Blocked.NEVER_REACHABLE and free.blocked is None
@@ -158,55 +281,3 @@ def _check_ground_speed(grid: Grid, request: PlanningRequest) -> None:
 
 def _names(places: Sequence[Place]) -> str:
     return ", ".join(place.name for place in places)
-
-
-def _waypoints(route: Route, grid: Grid, clock: StageClock, altitude_m: float) -> tuple[Waypoint, ...]:
-    """One waypoint a step; of a wait only the first and the last."""
-    cells = route.cells
-    return tuple(
-        Waypoint(
-            lat_deg=math.degrees(grid.lat_rad[row]),
-            lon_deg=math.degrees(grid.lon_rad[column]),
-            altitude_m=altitude_m,
-            time_s=step * clock.step_s,
-            stage=clock.stage_of_step(step),
-        )
-        for step, (row, column) in enumerate(cells)
-        if not 0 < step < len(cells) - 1 or not cells[step - 1] == cells[step] == cells[step + 1]
-    )
-
-
-def _outcome(
-    goal: Place,
-    routes: GoalRoutes,
-    route: Route | None,
-    clear_m: Sequence[NDArray[np.float64]],
-    clock: StageClock,
-    grid: Grid,
-) -> GoalOutcome:
-    if route is None or routes.earliest is None:
-        reason = str(routes.blocked)
-        return GoalOutcome(goal.name, goal.lat_deg, goal.lon_deg, reachable=False, reason=reason)
-    nearest_m = min(float(clear_m[clock.stage_of_step(step)][cell]) for step, cell in enumerate(route.cells))
-    return GoalOutcome(
-        goal.name,
-        goal.lat_deg,
-        goal.lon_deg,
-        reachable=True,
-        earliest_arrival_s=routes.earliest.arrival_step * clock.step_s,
-        arrival_s=route.arrival_step * clock.step_s,
-        length_m=_length_m(route, grid),
-        waiting_s=route.waits * clock.step_s,
-        score=route.score,
-        min_clearance_m=nearest_m if math.isfinite(nearest_m) else None,
-    )
-
-
-def _length_m(route: Route, grid: Grid) -> float:
-    lat_rad, lon_rad = (
-        [float(axis[index]) for index in indices]
-        for axis, indices in zip((grid.lat_rad, grid.lon_rad), zip(*route.cells, strict=True), strict=True)
-    )
-    if len(lat_rad) < 2:
-        return 0.0
-    return float(sum(geodesic_m(lat_rad[:-1], lon_rad[:-1], lat_rad[1:], lon_rad[1:])))

@@ -8,6 +8,7 @@ from pathlib import Path
 import msgspec
 
 from planner.errors import BadPlanError
+from planner.route import ScoreTerms
 
 FORMAT = 1
 
@@ -17,7 +18,8 @@ class Waypoint:
     """A position to be passed at a time; two in a row at one position are a wait (a loiter).
 
     `lat_deg`, `lon_deg`: geodetic, WGS84; degrees, because a plan is a file before it is anything else.
-    `altitude_m`: above the ellipsoid. `time_s`: since departure. `stage`: the hour of weather it lies in.
+    `altitude_m`: above the ellipsoid. `time_s`: since departure. `stage`: the hour of weather it lies in,
+    counted from the beginning of the forecast that was planned on.
     """
 
     lat_deg: float
@@ -28,8 +30,37 @@ class Waypoint:
 
 
 @dataclass(frozen=True, slots=True)
+class StageOutcome:
+    """Whether a goal is reachable by the end of a stage, and arrival and score of the best route so far."""
+
+    stage: int
+    reachable: bool
+    arrival_s: float | None = None
+    score: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class NearestPlace:
+    """The reachable place nearest to a goal: how far off it lies, and when it is first reached."""
+
+    lat_deg: float
+    lon_deg: float
+    distance_m: float
+    arrival_s: float
+
+
+@dataclass(frozen=True, slots=True)
 class GoalOutcome:
-    """What the sweep found for one goal: times since departure, or the reason why there is no route."""
+    """What the sweep found for one goal: times since departure, or the reason why there is no route.
+
+    `terms`: of the score. `fuel_kg`: what the way burns by the aircraft's measured consumption, where that
+    was given. `stages`: for the end of each stage from the departure's on. `survival`: the chance
+    that no step of the route meets hazard, where the forecast has an error, each step being an independent
+    draw, and `survival_at_most` if one draw decides all; `members_survived` of `members`: the same counted in
+    an ensemble. `abstained`: the chance lies below the level asked for, so the route is shown but not to be
+    flown. Without a route: `nearest` is the nearest reachable place, if any, and `last_door_stage` the last
+    stage in which the goal was open to one, if there was any (see planner.dead_end.DeadEnd).
+    """
 
     name: str
     lat_deg: float
@@ -41,7 +72,17 @@ class GoalOutcome:
     length_m: float | None = None
     waiting_s: float | None = None
     score: float | None = None
+    terms: ScoreTerms | None = None
     min_clearance_m: float | None = None
+    fuel_kg: float | None = None
+    survival: float | None = None
+    members_survived: int | None = None
+    members: int | None = None
+    abstained: bool = False
+    survival_at_most: float | None = None
+    stages: tuple[StageOutcome, ...] = ()
+    nearest: NearestPlace | None = None
+    last_door_stage: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +90,7 @@ class Plan:
     """A route to `goal`, empty where it cannot be reached, beside the outcome of each goal.
 
     `departure_s`: seconds since 1970-01-01 UTC. `objective`: which of a goal's arrivals the route takes,
-    "earliest" or "score".
+    "earliest", "score", "survival" or "fuel".
     """
 
     planner: str

@@ -47,6 +47,13 @@ class StageEnd:
     best: Route | None
 
 
+def ends_of_earliest(route: Route, clock: StageClock) -> tuple[StageEnd, ...]:
+    """The stages of a search whose earliest route is its best."""
+    stages = range(clock.stage_of_step(route.first_step), clock.stage_count)
+    arrival = clock.stage_of_step(route.arrival_step)
+    return tuple(StageEnd(stage, route if arrival <= stage else None) for stage in stages)
+
+
 @dataclass(frozen=True, slots=True)
 class GoalRoutes:
     """What the sweep found for one goal: both routes, or why there is none.

@@ -15,39 +15,16 @@ from itertools import pairwise
 
 import numpy as np
 
-from planner.earliest import Cell, Earliest
+from planner.earliest import Earliest
 from planner.legs import Country, Ints, are_safe, fly, lay_legs
+from planner.price import TIME, Price
+from planner.way import Leg, Node
 from planner.windfield import Floats
 
-_SKIPS = np.array([1, 2, 3, 4, 6, 8, 12, 16, 24, 32])
-_TURN_S = 3.0  # what another leg must save at least: one leg that is nearly as fast flies better than many
-_SAME_S = 0.1  # arrivals that differ by no more, as those of search and legs do, are the same
+_SKIPS = np.array([1, 2, 3, 4, 6, 9, 14, 22, 32])
+_NEXT = np.arange(1, 10)  # as far as the next corner with what lies around it
+_ROUNDING = 1e-9
 _AROUND = 2  # nodes of the way to either side of a corner that the last round tries instead of it
-
-
-@dataclass(frozen=True, slots=True)
-class Node:
-    """A cell on the way, when it is reached and left, and the run of safe stages around [s since departure].
-
-    The last one is not left: its `leave_s` is infinite.
-    """
-
-    cell: Cell
-    arrive_s: float
-    leave_s: float
-    safe_from_s: float
-    safe_until_s: float
-
-
-@dataclass(frozen=True, slots=True)
-class Leg:
-    """A straight leg, when it is left and ended [s since departure], and the true airspeed on it."""
-
-    start: Cell
-    end: Cell
-    leave_s: float
-    arrive_s: float
-    airspeed_mps: float
 
 
 def nodes_to(found: Earliest, state: int, stage_s: float) -> list[Node]:
@@ -74,77 +51,94 @@ def cell_by_cell(way: Sequence[Node], airspeed_mps: float) -> list[Leg]:
     ]
 
 
-def straighten(country: Country, way: Sequence[Node], airspeed_mps: float) -> list[Leg] | None:
+def straighten(
+    country: Country,
+    way: Sequence[Node],
+    airspeed_mps: float,
+    price: Price = TIME,
+    way_price: float | None = None,
+) -> list[Leg] | None:
     """Straight legs along a way, from time 0 on, or None if the way itself cannot be flown in its intervals.
 
-    They arrive no later than the way does by the search, or flown cell by cell with the wind as it is in
-    between (the two differ by what the wind bends within a cell).
+    By the price of time they arrive no later than the way does by the search, or flown cell by cell with the
+    wind as it is in between (the two differ by what the wind bends within a cell).
 
     Args:
         country: what the legs are flown through.
         way: its nodes; waiting is tried where a node was left later than reached.
         airspeed_mps: true airspeed.
+        price: what is made small.
+        way_price: of the way by the search; without it, its time of arrival.
     """
-    network = _Network(country, way, airspeed_mps)
+    network = _Network(country, way, airspeed_mps, price)
     leave_s = [node.leave_s for node in way]
-    best = network.earliest(leave_s, range(len(way)), _SKIPS, _TURN_S)
-    if best is None or _arrival(best) > way[-1].arrive_s + _SAME_S:
-        best = network.earliest(leave_s, range(len(way)), _SKIPS, 0.0)
+    limit = price.enough + (way[-1].arrive_s if way_price is None else way_price)
+    best = network.cheapest(leave_s, range(len(way)), _SKIPS, price.per_turn)
+    if best is None or best.price > limit:
+        best = network.cheapest(leave_s, range(len(way)), _SKIPS, 0.0)
     if best is None:
         return None
-    for around in (0, _AROUND):
+    for around, skips in ((0, _SKIPS), (_AROUND, _NEXT)):
         nodes = _nodes_around(best, around, len(way) - 1)
-        found = network.earliest(_departures_of(best, len(way)), nodes, np.arange(1, len(nodes)), _TURN_S)
-        if found and _arrival(found) <= _arrival(best):
+        found = network.cheapest(_departures_of(best, len(way)), nodes, skips, price.per_turn)
+        if found and found.price <= best.price + _ROUNDING * abs(best.price):
             best = found
-    return [leg for _, leg in best if leg]
+    return [leg for _, leg in best.kept if leg]
 
 
-_Kept = list[tuple[int, Leg | None]]
+@dataclass(frozen=True, slots=True)
+class _Legs:
+    """Legs to nodes of a way (none to the first), and their price without that of turns."""
+
+    kept: list[tuple[int, Leg | None]]
+    price: float
 
 
 class _Network:
     """Direct legs between nodes of one way."""
 
-    def __init__(self, country: Country, way: Sequence[Node], airspeed_mps: float) -> None:
+    def __init__(self, country: Country, way: Sequence[Node], airspeed_mps: float, price: Price) -> None:
         self.country = country
         self.airspeed_mps = airspeed_mps
+        self.price = price
         self.cells = [node.cell for node in way]
         self.rows, self.columns = np.array(self.cells).T
         self.safe_from_s = np.array([node.safe_from_s for node in way])
         self.safe_until_s = np.array([node.safe_until_s for node in way])
 
-    def earliest(
-        self, leave_s: Sequence[float], nodes: Sequence[int], skips: Ints, turn_s: float
-    ) -> _Kept | None:
-        """The earliest way from the first to the last of some nodes, if there is one.
+    def cheapest(
+        self, leave_s: Sequence[float], nodes: Sequence[int], skips: Ints, per_turn: float
+    ) -> _Legs | None:
+        """The cheapest way from the first to the last of some nodes, if there is one.
 
         Args:
             leave_s: when each node was left before, or not a number.
             nodes: those that legs may begin and end at, rising.
             skips: by how many of them a leg may go on.
-            turn_s: what each leg counts for.
+            per_turn: what each leg counts for.
         """
         last = len(nodes) - 1
         index = np.array(nodes)
-        cost_s, arrive_s = np.full(last + 1, np.inf), np.full(last + 1, np.inf)
-        cost_s[0] = arrive_s[0] = 0.0
+        cost, arrive_s = np.full(last + 1, np.inf), np.full(last + 1, np.inf)
+        cost[0] = arrive_s[0] = 0.0
         source: list[tuple[int, float]] = [(-1, 0.0)] * (last + 1)
         for at in range(last):
             if not np.isfinite(arrive_s[at]):
                 continue
             to = (at + skips)[at + skips <= last]
-            for depart_s in _departures(float(arrive_s[at]), leave_s[nodes[at]], self.country.stage_s):
-                end_s = self._arrivals(nodes[at], index[to], depart_s)
-                waste_s = cost_s[at] - arrive_s[at] + turn_s
-                good = end_s + waste_s < cost_s[to]
+            now_s = float(arrive_s[at])
+            for depart_s in _departures(now_s, leave_s[nodes[at]], self.country.stage_s):
+                end_s, price = self._legs(nodes[at], index[to], depart_s)
+                waited = self.price.of_wait(self.country, self.cells[nodes[at]], now_s, depart_s)
+                total = cost[at] + per_turn + waited + price
+                good = total < cost[to]
                 arrive_s[to[good]] = end_s[good]
-                cost_s[to[good]] = end_s[good] + waste_s
+                cost[to[good]] = total[good]
                 for reached in to[good].tolist():
                     source[reached] = at, depart_s
         if not np.isfinite(arrive_s[last]):
             return None
-        kept: _Kept = []
+        kept: list[tuple[int, Leg | None]] = []
         at = last
         while at > 0:
             before, depart_s = source[at]
@@ -157,11 +151,11 @@ class _Network:
             )
             kept.append((nodes[at], leg))
             at = before
-        return [(nodes[0], None), *reversed(kept)]
+        return _Legs([(nodes[0], None), *reversed(kept)], float(cost[last]) - per_turn * len(kept))
 
-    def _arrivals(self, node: int, to: Ints, depart_s: float) -> Floats:
-        """When legs to other nodes end; infinite where they are not safe, or the node is not."""
-        end_s = np.full(to.shape, np.inf)
+    def _legs(self, node: int, to: Ints, depart_s: float) -> tuple[Floats, Floats]:
+        """When legs to other nodes end, and their price; infinite where legs or nodes are not safe."""
+        end_s, price = np.full((2, *to.shape), np.inf)
         other = np.flatnonzero((self.rows[to] != self.rows[node]) | (self.columns[to] != self.columns[node]))
         to = to[other]
         if to.size:
@@ -170,25 +164,22 @@ class _Network:
             good = are_safe(self.country, legs, time_s)
             good &= (time_s[:, -1] >= self.safe_from_s[to]) & (time_s[:, -1] < self.safe_until_s[to])
             end_s[other[good]] = time_s[good, -1]
-        return end_s
+            price[other[good]] = self.price.of_legs(self.country, legs, time_s)[good]
+        return end_s, price
 
 
-def _arrival(kept: _Kept) -> float:
-    leg = kept[-1][1]
-    return leg.arrive_s if leg else 0.0
-
-
-def _departures_of(kept: _Kept, count: int) -> list[float]:
+def _departures_of(legs: _Legs, count: int) -> list[float]:
     """When each node of the way was left, not a number where it was not on the way."""
     leave_s = [float("nan")] * count
-    for (at, _), (_, leg) in pairwise(kept):
+    for (at, _), (_, leg) in pairwise(legs.kept):
         if leg:
             leave_s[at] = leg.leave_s
     return leave_s
 
 
-def _nodes_around(kept: _Kept, around: int, last: int) -> list[int]:
-    return sorted({min(max(at + offset, 0), last) for at, _ in kept for offset in range(-around, around + 1)})
+def _nodes_around(legs: _Legs, around: int, last: int) -> list[int]:
+    offsets = range(-around, around + 1)
+    return sorted({min(max(at + offset, 0), last) for at, _ in legs.kept for offset in offsets})
 
 
 def _departures(arrive_s: float, leave_s: float, stage_s: float) -> list[float]:

@@ -15,9 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage, special
 
+from planner.departures import Departures
 from planner.errors import BadFieldError
 from planner.ground import Cell, Ground
-from planner.hazards import Bools
+from planner.hazards import Bools, StageClock
+from planner.route import Route, evaluate
+from planner.score import Weights
+from planner.staged import StageEnd
 from planner.sweep import Worth, sweep
 from planner.trace import routes
 
@@ -67,21 +71,80 @@ def probability_from_forecast(speed_mps: Floats, *, threshold_mps: float, error_
 
 
 @dataclass(frozen=True, slots=True)
+class Survival:
+    """A route's chance to survive, between two bounds, and counted in an ensemble if there is one.
+
+    `at_least`: the product of (1 - p) over its steps, each an independent draw. `at_most`: the least (1 - p)
+    of them, as if one draw decided the whole flight. Errors of one sign go together in space and time, so
+    that the truth lies between (Slepian's inequality). `members_survived`: of `members`.
+    """
+
+    at_least: float
+    at_most: float
+    members_survived: int | None = None
+    members: int | None = None
+
+    def below(self, level: float) -> bool:
+        """Whether the chance is less than a level: the share of members, or without them the product."""
+        if self.members is None or self.members_survived is None:
+            return self.at_least < level
+        return self.members_survived / self.members < level
+
+
+def survival_of(
+    cells: Sequence[Cell],
+    first_step: int,
+    probability: Floats,
+    clock: StageClock,
+    members: Bools | None = None,
+) -> Survival:
+    """The chance that no cell of a route is hazardous when it is occupied.
+
+    Args:
+        cells: occupied at each step from `first_step` on.
+        first_step: the step of departure.
+        probability: that a cell is hazardous, shape [stage, north, east].
+        clock: the stages.
+        members: an ensemble [member, stage, north, east] in which the route is counted.
+    """
+    at = _visited(cells, first_step, clock)
+    safe = 1.0 - probability[at]
+    chance = Survival(float(safe.prod()), float(safe.min()))
+    if members is None:
+        return chance
+    survived = int((~members[:, *at].any(axis=1)).sum())
+    return replace(chance, members_survived=survived, members=len(members))
+
+
+@dataclass(frozen=True, slots=True)
 class SafestRoute:
     """The most likely surviving route to a goal.
 
-    `cells`: occupied at each step from `first_step` on; empty where there is no route. `survival`: product of
-    (1 - p) over its steps. `members_survived`: of `members`, None without an ensemble. `abstained`: the
-    survival lies below the level asked for, so the route should not be flown.
+    `cells`: occupied at each step from `first_step` on; empty where there is no route, and `chance` is None.
+    `abstained`: the chance lies below the level asked for, so the route should not be flown. `by_stage`: the
+    safest route so far at the end of each stage from the departure's on, if asked for, empty while there is
+    none.
     """
 
     goal: Cell
     cells: tuple[Cell, ...]
     first_step: int
-    survival: float
-    members_survived: int | None
-    members: int | None
+    chance: Survival | None
     abstained: bool
+    by_stage: tuple[tuple[Cell, ...], ...] = ()
+
+    def evaluated(
+        self, clearance: Floats, clock: StageClock, weights: Weights
+    ) -> tuple[Route, tuple[StageEnd, ...]]:
+        """The route, which there must be, and the safest ones so far, with their clearance and score."""
+        known = {
+            cells: evaluate(cells, clearance, clock, weights, self.first_step)
+            for cells in {self.cells, *self.by_stage}
+            if cells
+        }
+        begins = clock.stage_of_step(self.first_step)
+        ends = (StageEnd(begins + at, known.get(cells)) for at, cells in enumerate(self.by_stage))
+        return known[self.cells], tuple(ends)
 
     @property
     def arrival_step(self) -> int | None:
@@ -98,6 +161,7 @@ def search_survival(
     members: Bools | None = None,
     abstain_below: float = 0.0,
     first_step: int = 0,
+    by_stage: bool = False,
 ) -> list[SafestRoute]:
     """Find the route of the greatest chance to survive to each goal, over all arrivals in the horizon.
 
@@ -111,40 +175,50 @@ def search_survival(
         members: an ensemble [member, stage, north, east] in which routes are counted.
         abstain_below: the least chance to survive: the share of members, or without them the product.
         first_step: the step of departure.
+        by_stage: whether the safest routes so far are wanted for the end of each stage.
 
     Raises:
         BadFieldError: if probabilities are not numbers in [0, 1] or shapes disagree.
         OutsideGridError: if the start or a goal lies off the grid.
     """
-    if not 0.0 <= abstain_below <= 1.0:
-        raise BadFieldError(f"abstain below {abstain_below}; give a probability between 0 and 1")
+    check_level(abstain_below)
     for name, cell in (("start", start), *(("goal", goal) for goal in goals)):
         ground.check_cell(name, cell)
-    open_ground, worth = _as_worth(probability, ground)
-    none = [SafestRoute(goal, (), first_step, 0.0, None, None, True) for goal in goals]
-    if open_ground.hazard[ground.clock.stage_of_step(first_step)][start]:
+    open_ground, clock = without_certain_hazard(ground, probability), ground.clock
+    none = [SafestRoute(goal, (), first_step, None, abstained=True) for goal in goals]
+    if open_ground.hazard[clock.stage_of_step(first_step)][start]:
         return none
-    swept = sweep(open_ground, worth, start, goals, first_step=first_step)
+    swept = sweep(open_ground, _worth(probability, open_ground), start, goals, first_step=first_step)
     values = swept.values()
-    arrivals = values.argmax(axis=0)
-    found = [index for index in range(len(goals)) if np.isfinite(values[arrivals[index], index])]
-    traced = routes(swept, [(goals[index], int(arrivals[index])) for index in found])
-    for index, cells in zip(found, traced, strict=True):
-        at = _visited(cells, first_step, ground)
-        survival = float(np.exp(worth.sheets[at].sum()))
-        survived = None if members is None else int((~members[:, *at].any(axis=1)).sum())
-        chance = survival if survived is None or members is None else survived / len(members)
-        count = None if members is None else len(members)
-        none[index] = SafestRoute(
-            goals[index], cells, first_step, survival, survived, count, chance < abstain_below
-        )
-    return none
+    begins = clock.stage_of_step(first_step) if by_stage else clock.stage_count - 1
+    ends = [
+        values[: (stage + 1) * clock.steps_per_stage].argmax(axis=0)
+        for stage in range(begins, clock.stage_count)
+    ]
+    wanted = {
+        (goal, int(end[index])): ()
+        for end in ends
+        for index, goal in enumerate(goals)
+        if np.isfinite(values[end[index], index])
+    }
+    traced = dict(zip(wanted, routes(swept, list(wanted)), strict=True))
+    found = []
+    for index, missed in enumerate(none):
+        so_far = tuple(traced.get((missed.goal, int(end[index])), ()) for end in ends)
+        if not so_far[-1]:
+            found.append(missed)
+            continue
+        chance = survival_of(so_far[-1], first_step, probability, clock, members)
+        abstained = chance.below(abstain_below)
+        reported = so_far if by_stage else ()
+        found.append(SafestRoute(missed.goal, so_far[-1], first_step, chance, abstained, reported))
+    return found
 
 
 def survival_by_departure(
     probability: Floats, ground: Ground, start: Cell, goals: Sequence[Cell], slots: Sequence[int]
-) -> Floats:
-    """The greatest chance to survive for each departure, shape [slot, goal], 0 where there is no route.
+) -> Departures:
+    """The safest arrival for each departure, with its chance to survive.
 
     Args:
         probability: that a cell is hazardous, shape [stage, north, east].
@@ -153,32 +227,51 @@ def survival_by_departure(
         goals: the goals.
         slots: steps of departure, within the horizon.
     """
-    open_ground, worth = _as_worth(probability, ground)
+    open_ground = without_certain_hazard(ground, probability)
+    open_ground.check_departures(start, goals, slots)
+    worth = _worth(probability, open_ground)
     chances = np.zeros((len(slots), len(goals)))
+    arrivals = np.full(chances.shape, -1, dtype=np.int32)
     for row, slot in enumerate(slots):
         if not open_ground.hazard[ground.clock.stage_of_step(slot)][start]:
-            swept = sweep(open_ground, worth, start, goals, first_step=slot, keep=False)
-            chances[row] = np.exp(swept.values().max(axis=0))
-    return chances
+            values = sweep(open_ground, worth, start, goals, first_step=slot, keep=False).values()
+            best = values.max(axis=0)
+            chances[row] = np.exp(best)
+            arrivals[row] = np.where(np.isfinite(best), values.argmax(axis=0), -1)
+    return Departures(tuple(slots), tuple(goals), ground.clock.step_s, arrivals, chances)
 
 
-def _as_worth(probability: Floats, ground: Ground) -> tuple[Ground, Worth]:
-    """The ground without what is certain to be hazard, and log(1 - p) as the worth of a step."""
+def check_level(abstain_below: float) -> None:
+    """Raise BadFieldError if a chance to survive that is asked for is none."""
+    if not 0.0 <= abstain_below <= 1.0:
+        raise BadFieldError(f"abstain below {abstain_below}; give a probability between 0 and 1")
+
+
+def without_certain_hazard(ground: Ground, probability: Floats) -> Ground:
+    """The ground with the cells closed besides that are certain to be hazard.
+
+    Raises:
+        BadFieldError: if probabilities are not numbers in [0, 1] or shapes disagree.
+    """
     if probability.shape != ground.hazard.shape:
         raise BadFieldError(
             f"probabilities of shape {probability.shape} do not fit hazard of {ground.hazard.shape}"
         )
     if not ((probability >= 0.0) & (probability <= 1.0)).all():
         raise BadFieldError("a probability is not a number between 0 and 1; clip or fill the field first")
-    closed = ground.hazard | (probability >= CERTAIN)
-    logs = np.log1p(-np.where(closed, 0.0, probability))
-    return replace(ground, hazard=closed), Worth(logs, 1.0, float(-logs.min()))
+    return replace(ground, hazard=ground.hazard | (probability >= CERTAIN))
+
+
+def _worth(probability: Floats, ground: Ground) -> Worth:
+    """log(1 - p) as the worth of a step."""
+    logs = np.log1p(-np.where(ground.hazard, 0.0, probability))
+    return Worth(logs, 1.0, float(-logs.min()))
 
 
 def _visited(
-    cells: tuple[Cell, ...], first_step: int, ground: Ground
+    cells: Sequence[Cell], first_step: int, clock: StageClock
 ) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:
     """The stage, row and column of every step."""
     rows, columns = np.array(cells, dtype=np.intp).T
-    stages = np.arange(first_step, first_step + len(cells)) // ground.clock.steps_per_stage
+    stages = np.arange(first_step, first_step + len(cells)) // clock.steps_per_stage
     return stages, rows, columns

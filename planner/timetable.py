@@ -12,7 +12,7 @@ from planner.grid import Grid
 from planner.hazards import StageClock
 from planner.legs import Country, Legs, fly, lay_legs
 from planner.plans import Waypoint
-from planner.straighten import Leg
+from planner.way import Leg
 from planner.windfield import Floats
 
 SPACING_S = 120.0

@@ -7,14 +7,19 @@ from collections.abc import Sequence
 import numpy as np
 
 from planner.legs import Country, are_safe, fly, lay_legs
-from planner.straighten import Leg
+from planner.way import Leg
 
 _CLOSE_S = 0.01
 _HALVINGS = 40
 
 
 def with_flyable_waits(
-    country: Country, legs: Sequence[Leg], *, slowest_mps: float, wait_min_s: float
+    country: Country,
+    legs: Sequence[Leg],
+    *,
+    slowest_mps: float,
+    wait_min_s: float,
+    unhurried: bool = False,
 ) -> list[Leg] | None:
     """Legs whose waits, between the end of one and the start of the next, are none or long enough.
 
@@ -26,6 +31,7 @@ def with_flyable_waits(
         legs: in the order flown, the first from time 0.
         slowest_mps: least true airspeed.
         wait_min_s: of a loiter.
+        unhurried: whether long waits are spread over the legs before them too, as far as that goes.
 
     Returns:
         Legs along the same lines, safe at their new times; None if there are no such.
@@ -36,12 +42,16 @@ def with_flyable_waits(
     for leg in legs:
         if leg.leave_s > max(now_s, planned_s):
             slower = None
-            if leg.leave_s - now_s < wait_min_s:
+            if unhurried or leg.leave_s - now_s < wait_min_s:
                 slower = _arriving_at(country, flown[since_wait:], leg.leave_s, slowest_mps)
             if slower:
                 flown[since_wait:] = slower
                 now_s = slower[-1].arrive_s
             else:
+                if unhurried:
+                    slower = _before(country, flown[since_wait:], leg.leave_s - wait_min_s, slowest_mps)
+                    flown[since_wait:] = slower or flown[since_wait:]
+                    now_s = flown[-1].arrive_s if flown else now_s
                 leave_s = max(leg.leave_s, now_s + wait_min_s)
                 if not _can_wait(country, leg, now_s, leave_s):
                     return None
@@ -94,6 +104,16 @@ def _arriving_at(
         else:
             high_mps = middle_mps
     return slow if safe else None
+
+
+def _before(country: Country, legs: Sequence[Leg], until_s: float, slowest_mps: float) -> list[Leg] | None:
+    """Legs flown as slowly as possible so that they end before a time, if that is later than they do."""
+    if not legs or legs[-1].arrive_s >= until_s:
+        return None
+    slow, safe = _chain(country, legs, slowest_mps)
+    if slow[-1].arrive_s > until_s:
+        return _arriving_at(country, legs, until_s, slowest_mps)
+    return slow if safe and slow[-1].arrive_s > legs[-1].arrive_s else None
 
 
 def _can_wait(country: Country, leg: Leg, from_s: float, until_s: float) -> bool:

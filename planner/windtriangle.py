@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 from planner.windfield import Floats
 
 
-def ground_speed(along_mps: Any, across_mps: Any, airspeed_mps: float) -> Any:
+def ground_speed(along_mps: Any, across_mps: Any, airspeed_mps: Any) -> Any:
     """Speed over ground on a course [m/s] while the nose points up wind by the drift.
 
     Args:
         along_mps: wind toward the course's end; scalar or array.
         across_mps: wind to the side of it, either sign.
-        airspeed_mps: true airspeed.
+        airspeed_mps: true airspeed; scalar or array.
 
     Returns:
         Along + sqrt(airspeed^2 - across^2); not a number where the cross wind exceeds the airspeed.

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import BinaryIO
 
 import numpy as np
@@ -54,6 +54,7 @@ MESSAGE_HEAD = np.dtype(
 _HEAD_COUNTED = MESSAGE_HEAD.itemsize - 9
 _HEAD = struct.Struct("<BQHIQQ")
 _FOOTER_LENGTH = 8 + 8 + 4
+_LEVEL = 2  # the next makes files of samples 3 % smaller and takes a quarter longer
 
 
 def fill_heads(heads: NDArray[np.void], channel: int, payload_length: int, log_times: Integers) -> None:
@@ -72,7 +73,7 @@ class McapFile:
         self._stream = stream
         self._position = 0
         self._crc = 0
-        self._compressor = zstandard.ZstdCompressor(level=2)
+        self._compressor = zstandard.ZstdCompressor(level=_LEVEL)
         self._chunk = bytearray()
         self._indices: dict[int, list[Integers]] = {}
         self._schemas: list[Schema] = []
@@ -130,11 +131,16 @@ class McapFile:
 
     def add_message(self, channel: int, log_time: int, payload: bytes) -> None:
         """Add one message to the chunk in progress."""
-        self._note(channel, np.array([[log_time, len(self._chunk)]], np.uint64))
-        self._chunk += _HEAD.pack(
-            Opcode.MESSAGE, _HEAD_COUNTED + len(payload), channel, 0, log_time, log_time
-        )
-        self._chunk += payload
+        self.add_messages(channel, [log_time], [payload])
+
+    def add_messages(self, channel: int, log_times: Sequence[int], payloads: Sequence[bytes]) -> None:
+        """Add messages of one topic, in the order of their times, to the chunk in progress."""
+        chunk, entries = self._chunk, []
+        for log_time, payload in zip(log_times, payloads, strict=True):
+            entries.append((log_time, len(chunk)))
+            chunk += _HEAD.pack(Opcode.MESSAGE, _HEAD_COUNTED + len(payload), channel, 0, log_time, log_time)
+            chunk += payload
+        self._note(channel, np.array(entries, np.uint64))
 
     def add_records(self, records: bytes, places: Mapping[int, tuple[Integers, Integers]]) -> None:
         """Add ready-made message records to the chunk in progress.

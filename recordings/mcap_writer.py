@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from contextlib import suppress
-from itertools import chain
 from pathlib import Path
 from typing import BinaryIO
 
@@ -19,6 +18,7 @@ from recordings.mcap_file import MESSAGE_HEAD, McapFile, fill_heads
 from recordings.poses import PoseMessages
 from recordings.protobuf_types import descriptor_set
 from recordings.recorder import FlightHeader, GuidanceSample, Layer, Outcome, WeatherSheet
+from recordings.samples import Samples
 from recordings.schema import (
     EVENTS,
     FORECAST_HAZARD,
@@ -62,8 +62,7 @@ class McapRecorder:
         self.partial_path = path.with_suffix(f".partial{path.suffix}")
         self._stream: BinaryIO | None = None
         self._room = SAMPLES_PER_CHUNK  # samples left to write to the chunk in progress
-        self._states: list[FlightState] = []
-        self._guidance: list[GuidanceSample] = []
+        self._samples = Samples()
 
     def begin(self, header: FlightHeader) -> None:
         """See `Recorder.begin`.
@@ -88,7 +87,7 @@ class McapRecorder:
         self._header = header
         self._file = McapFile(self._stream)
         self._poses = PoseMessages(header.grid.frame)
-        self._next_pose_s = -math.inf
+        self._last_second = -math.inf
         self._file.add_metadata(HEADER_METADATA, messages.header_metadata(header))
         self._file.add_metadata(VERSIONS_METADATA, header.versions)
         log_time = self._log_time(lead_in_s)
@@ -127,9 +126,7 @@ class McapRecorder:
 
     def sample(self, state: FlightState, guidance: GuidanceSample) -> None:
         """See `Recorder.sample`."""
-        self._states.append(state)
-        self._guidance.append(guidance)
-        if len(self._states) == self._room:
+        if self._samples.add(state, guidance) == self._room:
             self._write_samples()
             self._file.finish_chunk()
             self._room = SAMPLES_PER_CHUNK
@@ -172,40 +169,38 @@ class McapRecorder:
 
     def _write_samples(self) -> None:
         """Turn the samples that wait into messages, all at once."""
-        states, guidance = self._states, self._guidance
-        if not states:
+        count = len(self._samples)
+        if not count:
             return
-        self._states, self._guidance = [], []
-        count = len(states)
         self._room -= count
-        table = np.fromiter(chain.from_iterable(states), np.float64).reshape(count, -1)
-        times_s = table[:, 0]
+        tables = dict(zip(_LAYOUTS, self._samples.take(), strict=True))
+        times_s = tables[STATE][:, 0]
         if not np.all(np.isfinite(times_s)):
             raise RecordingError("a sample has no finite time and cannot be recorded; look at the aircraft")
         log_times = (np.rint(times_s * 1e9).astype(np.int64) + self._departure_ns).astype(np.uint64)
-        flat = [
-            (time_s, *sample[:-1], *sample.command)
-            for time_s, sample in zip(times_s.tolist(), guidance, strict=True)
-        ]
-        tables = {STATE: table, GUIDANCE: np.fromiter(chain.from_iterable(flat), np.float64)}
         records, offset = np.empty(count, _SAMPLE), 0
         places: dict[int, tuple[NDArray[np.uint64], NDArray[np.uint64]]] = {}
         begins = np.arange(count, dtype=np.uint64) * np.uint64(_SAMPLE.itemsize)
         for topic, layout in _LAYOUTS.items():
             channel, part = self._channels[topic], records[topic.name]
             fill_heads(part["head"], channel, layout.message.itemsize, log_times)
-            layout.fill(part["payload"], tables[topic].reshape(count, -1))
+            layout.fill(part["payload"], tables[topic])
             places[channel] = log_times, begins + np.uint64(offset)
             offset += part.itemsize
         self._file.add_records(records.tobytes(), places)
-        self._write_poses(states, log_times)
+        self._write_poses(tables[STATE], log_times)
 
-    def _write_poses(self, states: list[FlightState], log_times: NDArray[np.uint64]) -> None:
+    def _write_poses(self, table: NDArray[np.float64], log_times: NDArray[np.uint64]) -> None:
         """The messages of once a second: the first sample of each."""
-        for state, log_time in zip(states, log_times.tolist(), strict=True):
-            if state.time_s >= self._next_pose_s:
-                self._next_pose_s = math.floor(state.time_s + _SECOND_SLACK_S) + 1.0 - _SECOND_SLACK_S
-                for topic, payload in zip(
-                    (POSITION, POSE, TRANSFORM), self._poses.of(state, log_time), strict=True
-                ):
-                    self._add(topic, log_time, payload)
+        seconds = np.floor(table[:, 0] + _SECOND_SLACK_S)
+        first = np.flatnonzero(np.diff(seconds, prepend=self._last_second) > 0.0)
+        self._last_second = float(seconds[-1])
+        if not len(first):
+            return
+        times = log_times[first].tolist()
+        made = [
+            self._poses.of(FlightState._make(row), log_time)
+            for row, log_time in zip(table[first].tolist(), times, strict=True)
+        ]
+        for topic, payloads in zip((POSITION, POSE, TRANSFORM), zip(*made, strict=True), strict=True):
+            self._file.add_messages(self._channels[topic], times, payloads)

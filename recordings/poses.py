@@ -26,7 +26,9 @@ class PoseMessages:
             message.timestamp.seconds, message.timestamp.nanos = divmod(log_time, 1_000_000_000)
         position.latitude, position.longitude = math.degrees(state.lat_rad), math.degrees(state.lon_rad)
         position.altitude, position.heading = state.altitude_m, state.heading_rad
-        north_m, east_m = self._frame.to_plane(state.lat_rad, state.lon_rad)
+        north_m = east_m = math.nan
+        if math.isfinite(state.lat_rad + state.lon_rad):
+            north_m, east_m, _ = self._frame.plane_point(state.lat_rad, state.lon_rad)
         quaternion = east_north_up_quaternion(state.roll_rad, state.pitch_rad, state.heading_rad)
         for place, turn in (
             (pose.pose.position, pose.pose.orientation),

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import chain
-
 import numpy as np
 import pyarrow as pa  # what rerun keeps its columns in
 import rerun as rr
@@ -12,6 +10,7 @@ from numpy.typing import NDArray
 from aircraft.state import FlightState
 from recordings.recorder import GuidanceSample
 from recordings.rerun_times import FlightTimes
+from recordings.samples import Samples
 from recordings.schema import GUIDANCE, GUIDANCE_COLUMNS, STATE, STATE_COLUMNS, Column, Kind, Topic
 
 SAMPLES_PER_CHUNK = 600
@@ -25,39 +24,31 @@ class SampleColumns:
 
     def __init__(self, times: FlightTimes) -> None:
         self._times = times
-        self._states: list[FlightState] = []
-        self._guidance: list[GuidanceSample] = []
+        self._samples = Samples()
 
     def add(self, state: FlightState, guidance: GuidanceSample) -> bool:
         """Take one sample; True if a chunk is full and has to be written."""
-        self._states.append(state)
-        self._guidance.append(guidance)
-        return len(self._states) >= SAMPLES_PER_CHUNK
+        return self._samples.add(state, guidance) >= SAMPLES_PER_CHUNK
 
     def write(self, stream: rr.RecordingStream) -> None:
         """Write what was collected."""
-        states, guidance = self._states, self._guidance
-        if not states:
+        if not len(self._samples):
             return  # the viewer fails on an empty chunk
-        self._states, self._guidance = [], []
-        state = np.fromiter(chain.from_iterable(states), np.float64).reshape(len(states), -1)
-        flat = np.array([(*sample[:-1], *sample.command) for sample in guidance], dtype=np.float64)
-        time_s = state[:, 0]
-        self._send(stream, STATE, STATE_COLUMNS, time_s, state)
-        self._send(stream, GUIDANCE, GUIDANCE_COLUMNS, time_s, np.column_stack([time_s, flat]))
+        state, guidance = self._samples.take()
+        self._send(stream, STATE, STATE_COLUMNS, state)
+        self._send(stream, GUIDANCE, GUIDANCE_COLUMNS, guidance)
 
     def _send(
         self,
         stream: rr.RecordingStream,
         topic: Topic,
         columns: tuple[Column, ...],
-        time_s: NDArray[np.float64],
         table: NDArray[np.float64],
     ) -> None:
         offsets = np.arange(len(table) + 1, dtype=np.int32)  # one value a row
         stream.send_columns(
             topic.name,
-            self._times.since_departure(time_s),
+            self._times.since_departure(table[:, 0]),
             [
                 rr.ComponentColumn(
                     rr.ComponentDescriptor(column.name).with_builtin_archetype(topic.message),

@@ -96,18 +96,46 @@ class Kind(StrEnum):
 
 
 class Column(NamedTuple):
-    """A field of a message that is written every sample; its number is its place, counted from one."""
+    """A field of a message that is written every sample; its number is its place, counted from one.
+
+    `step`: what is recorded is rounded to a multiple of it; zero for exact.
+    """
 
     name: str
     kind: Kind
+    step: float
 
 
-_WIDE = {"time_s", "lat_rad", "lon_rad", "altitude_m", "path_m"}
+_WIDE_STEPS = {
+    "time_s": 0.0,
+    "lat_rad": 2.0**-40,  # six micrometres
+    "lon_rad": 2.0**-40,
+    "altitude_m": 2.0**-16,
+    "path_m": 2.0**-16,
+}
+_STEPS = {
+    "m": 2.0**-10,  # a millimetre
+    "s": 2.0**-10,
+    "mps": 2.0**-10,
+    "rad": 2.0**-18,  # 0.0002 degrees
+    "radps": 2.0**-18,
+    "kg": 2.0**-20,
+}
+"""By unit. Powers of two: what no instrument would tell is zero bits then, a third of a compressed file."""
+
+_STEP_OF_TRAVEL = 2.0**-14
+
+
+def _column(name: str) -> Column:
+    if name == "phase":
+        return Column(name, Kind.SMALL, 0.0)
+    if name in _WIDE_STEPS:
+        return Column(name, Kind.DOUBLE, _WIDE_STEPS[name])
+    return Column(name, Kind.FLOAT, _STEPS.get(name.rpartition("_")[2], _STEP_OF_TRAVEL))
 
 
 def _columns(names: tuple[str, ...]) -> tuple[Column, ...]:
-    kinds = {"phase": Kind.SMALL} | dict.fromkeys(_WIDE, Kind.DOUBLE)
-    return tuple(Column(name, kinds.get(name, Kind.FLOAT)) for name in names)
+    return tuple(map(_column, names))
 
 
 STATE_COLUMNS = _columns(FlightState._fields)

@@ -74,7 +74,8 @@ def run(
         on_time: told the time since departure [s] all through the flight.
 
     Returns:
-        The flight, or None if the plan says that its goal cannot be reached.
+        The flight, or None if the plan says that its goal cannot be reached, or not with the chance to
+        survive that is asked for.
 
     Raises:
         SimError: if the folder cannot be written; and whatever is wrong with the input, before it is touched.
@@ -85,7 +86,8 @@ def run(
     weather = bring_weather(loaded)
     plan = make_plan(scenario, weather, aircraft)
     on_plan(plan)
-    setup = prepare_flight(loaded, weather, plan, aircraft) if plan.waypoints else None
+    flyable = bool(plan.waypoints) and not plan.outcome.abstained
+    setup = prepare_flight(loaded, weather, plan, aircraft) if flyable else None
     _make_room(files)
     write_whole(files.plan, plan.to_json())
     if setup is None:

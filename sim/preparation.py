@@ -7,10 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from aircraft.consumption import measure_consumption
 from aircraft.envelope import Envelope
 from aircraft.guidance import Guidance
 from aircraft.jsbsim_aircraft import JsbsimAircraft, Turbulence
 from aircraft.reference import PathPoint, Reference
+from planner.consumption import FuelFlow
 from planner.hazards import StageClock, hazard_stages
 from planner.planning import Place, PlanningRequest, plan_staged
 from planner.plans import Plan
@@ -21,7 +23,7 @@ from sim.closed_loop import FlightSetup
 from sim.errors import ScenarioError
 from sim.provenance import versions
 from sim.scenario import LoadedScenario, PlaceTable, Scenario
-from sim.weather.source import MissionWeather, bring_weather
+from sim.weather.source import MissionWeather
 
 
 def make_aircraft(scenario: Scenario) -> JsbsimAircraft:
@@ -52,12 +54,6 @@ def make_clock(scenario: Scenario) -> StageClock:
     return StageClock(scenario.mission.departure_s, stages.count, stages.steps, stages.step_s)
 
 
-def plan_scenario(loaded: LoadedScenario) -> Plan:
-    """Bring the weather and plan, without a flight."""
-    aircraft = make_aircraft(loaded.scenario)
-    return make_plan(loaded.scenario, bring_weather(loaded), aircraft)
-
-
 def make_plan(scenario: Scenario, weather: MissionWeather, aircraft: JsbsimAircraft) -> Plan:
     """Plan on the forecast, within the aircraft's envelope."""
     plan = plan_windaware if scenario.planner.kind == "windaware" else plan_staged
@@ -78,9 +74,18 @@ def planning_request(scenario: Scenario, aircraft: JsbsimAircraft) -> PlanningRe
         airspeed_min_mps=envelope.airspeed_min_mps + table.airspeed_margin_mps,
         airspeed_max_mps=envelope.airspeed_max_mps - table.airspeed_margin_mps,
         objective=table.objective,
+        forecast_error_mps=scenario.hazard.forecast_error_mps,
+        abstain_below=table.abstain_below,
         cruise_mps=envelope.cruise_mps,
+        fuel_flow=_fuel_flow(scenario) if table.objective == "fuel" else None,
         weights=Weights(table.alpha, table.beta, table.gamma, table.delta, table.clearance_cap_cells),
     )
+
+
+def _fuel_flow(scenario: Scenario) -> FuelFlow:
+    """The aircraft's own consumption at the mission's altitude; it takes half a second to measure."""
+    measured = measure_consumption(scenario.aircraft.model, scenario.mission.altitude_m)
+    return FuelFlow(measured.airspeed_mps, measured.flow_kgps)
 
 
 def _place(table: PlaceTable) -> Place:
@@ -93,11 +98,16 @@ def prepare_flight(
     """Lay the reference through the plan and put the trimmed aircraft at its beginning.
 
     Raises:
-        ScenarioError: if the plan leads nowhere.
+        ScenarioError: if the plan leads nowhere, or its chance to survive is too small to be flown.
         PathError: if no flyable curve leads through the plan.
         ModelError: if the aircraft cannot be trimmed.
     """
     scenario, grid = loaded.scenario, weather.forecast.grid
+    if plan.outcome.abstained:
+        raise ScenarioError(
+            f"the plan to {plan.goal} is not to be flown: its chance to survive, {plan.outcome.survival}, is "
+            f"below planner.abstain_below {scenario.planner.abstain_below}"
+        )
     if len({(waypoint.lat_deg, waypoint.lon_deg) for waypoint in plan.waypoints}) < 2:
         raise ScenarioError(
             f"mission.start and the goal {plan.goal} lie in one cell of {scenario.grid.cell_m:.0f} m, "

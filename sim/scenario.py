@@ -20,6 +20,7 @@ BUILT_IN_FOLDER = Path(__file__).parent / "scenarios"
 
 Positive = Annotated[float, Meta(gt=0.0)]
 NotNegative = Annotated[float, Meta(ge=0.0)]
+Chance = Annotated[float, Meta(ge=0.0, le=1.0)]
 Count = Annotated[int, Meta(ge=1)]
 Latitude = Annotated[float, Meta(ge=-80.0, le=80.0)]
 Longitude = Annotated[float, Meta(ge=-180.0, le=360.0)]
@@ -90,10 +91,15 @@ class Stages(Struct, frozen=True):
 
 
 class Hazard(Struct, frozen=True):
-    """What is dangerous: wind above the threshold, anywhere within a corridor around the path."""
+    """What is dangerous: wind above the threshold, anywhere within a corridor around the path.
+
+    `forecast_error_mps`: standard deviation of the forecast's wind speed, from which the chance to survive is
+    computed; 0 takes the forecast as right.
+    """
 
     threshold_mps: Positive = 15.0
     corridor_m: NotNegative = 1100.0
+    forecast_error_mps: NotNegative = 0.0
 
 
 class PlannerTable(Struct, frozen=True):
@@ -101,17 +107,19 @@ class PlannerTable(Struct, frozen=True):
 
     `staged` is the paper's; `windaware` flies legs of any course at cruise airspeed, to the earliest arrival
     (no objective, no weights). `airspeed_margin_mps` is what the planner leaves of the aircraft's envelope at
-    either end, so that the flight can make up for gusts and corners.
+    either end, so that the flight can make up for gusts and corners. A plan whose chance to survive lies
+    below `abstain_below` is shown but not flown.
     """
 
     kind: Literal["staged", "windaware"] = "staged"
-    objective: Literal["earliest", "score"] = "score"
+    objective: Literal["earliest", "score", "survival", "fuel"] = "score"
     alpha: NotNegative = 1.0
     beta: NotNegative = 1.0
     gamma: NotNegative = 0.1
     delta: NotNegative = 0.1
     clearance_cap_cells: NotNegative = 30.0
     airspeed_margin_mps: NotNegative = 2.0
+    abstain_below: Chance = 0.0
 
 
 class AircraftTable(Struct, frozen=True):
@@ -300,8 +308,25 @@ def _check_together(scenario: Scenario, source: str) -> None:
         raise ScenarioError(
             f"{source}: grid.south_deg {grid.south_deg} is not south of north_deg {grid.north_deg}"
         )
+    _check_objective(scenario, source)
     if scenario.flight.simulation_hz % scenario.flight.guidance_hz:
         raise ScenarioError(
             f"{source}: flight.simulation_hz {scenario.flight.simulation_hz} is no multiple of "
             f"guidance_hz {scenario.flight.guidance_hz}"
         )
+
+
+def _check_objective(scenario: Scenario, source: str) -> None:
+    table = scenario.planner
+    if table.objective == "fuel" and table.kind == "staged":
+        raise ScenarioError(
+            f"{source}: planner.objective 'fuel' is not one of the staged planner, whose airspeed is what "
+            'the step asks for; choose earliest, score or survival, or planner.kind = "windaware"'
+        )
+    if scenario.hazard.forecast_error_mps > 0.0:
+        return
+    remedy = "a chance to survive needs hazard.forecast_error_mps above 0, such as 3.0"
+    if table.objective == "survival":
+        raise ScenarioError(f"{source}: planner.objective is 'survival', but {remedy}")
+    if table.abstain_below > 0.0:
+        raise ScenarioError(f"{source}: planner.abstain_below is {table.abstain_below}, but {remedy}")

@@ -1,12 +1,15 @@
 """What the documents say is true: keys and defaults, commands and code."""
 
 import re
+import sys
 from pathlib import Path
 
 import msgspec
+import numpy as np
 import pytest
 
 from recordings.limits import figure_kinds
+from sim.cli import main
 from sim.scenario import Scenario
 
 ROOT = Path(__file__).parent.parent
@@ -54,6 +57,24 @@ def test_the_report_page_explains_every_figure():
     rows = [line.split("|")[1] for line in text.splitlines() if line.startswith("| `")]
     named = set(re.findall(r"`([\w.]+)`", " ".join(rows)))
     assert named == {*figure_kinds(), "real_time_factor"}
+
+
+def test_the_planner_pages_commands_on_matrices_run(tmp_path, monkeypatch):
+    text = (ROOT / "docs" / "planner.md").read_text(encoding="utf-8")
+    commands = [line.split()[1:] for line in text.splitlines() if line.startswith("galeway plan --hazards")]
+    assert len(commands) == 6
+    hourly = np.random.default_rng(1).random((18, 24, 36)) < 0.05
+    hourly[:, 3, 5] = hourly[:, 20, 31] = hourly[:, 12, 8] = False
+    members = np.zeros((2, 18, 24, 36), dtype=bool)
+    members[0, :, 8:12, 14:18] = members[1, :, 10:14, 15:19] = True
+    np.savez(tmp_path / "hazards.npz", hourly=hourly, members=members, days=members)
+    monkeypatch.chdir(tmp_path)
+    for arguments in commands:
+        monkeypatch.setattr(sys, "argv", ["galeway", *arguments])
+        with pytest.raises(SystemExit) as stopped:
+            main()
+        assert stopped.value.code == 0, arguments
+    assert np.load(tmp_path / "arrival.npy").shape == (24, 36)
 
 
 @pytest.mark.parametrize("name", ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md"])

@@ -9,13 +9,13 @@ from __future__ import annotations
 import importlib
 import math
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from planner.hazards import Bools
-from planner.peers.route import PeerRoute, TrackPoint
-from planner.staged import Cell
+from planner.peers.route import START_IN_HAZARD, PeerRoute, TrackPoint
+from planner.staged import Cell, StagedProblem
 
 MISSING = PeerRoute(reason="needs OMPL: pip install 'galeway[peers]'")
 
@@ -25,8 +25,31 @@ SPACING = 0.25
 _REACH = SPACING / 2.0
 
 
-def load_ompl(seed: int) -> tuple[Any, Any, Any] | None:
-    """OMPL's base, geometric and control modules, quiet and seeded; None where it is not installed."""
+class Ompl(NamedTuple):
+    """The modules of OMPL that are in use."""
+
+    base: Any
+    geometric: Any
+    control: Any
+
+
+Search = Callable[[Ompl, StagedProblem, Cell, Cell], PeerRoute]
+
+
+def search_by_ompl(search: Search, problem: StagedProblem, start: Cell, goal: Cell, seed: int) -> PeerRoute:
+    """Call a search from start to goal, unless OMPL is not installed or there is nothing to search."""
+    ompl = load_ompl(seed)
+    if ompl is None:
+        return MISSING
+    if problem.hazard[0][start]:
+        return START_IN_HAZARD
+    if start == goal:  # trees sample it as a goal to be met again
+        return PeerRoute(track=(TrackPoint(0.0, float(start[0]), float(start[1])),))
+    return search(ompl, problem, start, goal)
+
+
+def load_ompl(seed: int) -> Ompl | None:
+    """OMPL, quiet and seeded; None where it is not installed."""
     try:
         base, geometric, control, util = (
             importlib.import_module(f"ompl.{name}") for name in ("base", "geometric", "control", "util")
@@ -35,7 +58,23 @@ def load_ompl(seed: int) -> tuple[Any, Any, Any] | None:
         return None
     util.setLogLevel(util.LOG_NONE)
     util.RNG.setSeed(seed + 1)  # it takes no zero
-    return base, geometric, control
+    return Ompl(base, geometric, control)
+
+
+def set_up_on_first_map(
+    ompl: Ompl, problem: StagedProblem, start: Cell, goal: Cell, goal_radius_cells: float
+) -> Any:
+    """OMPL's set-up for a way from start to goal on the first stage's map; it lacks a planner."""
+    space, free = bounded_space(ompl.base, problem.hazard.shape[1:]), free_around(problem.hazard[0])
+    setup = ompl.geometric.SimpleSetup(space)
+
+    def valid(state: Any) -> bool:
+        return free(state[0], state[1])
+
+    setup.setStateValidityChecker(valid)
+    setup.getSpaceInformation().setStateValidityCheckingResolution(SPACING / space.getMaximumExtent())
+    setup.setStartAndGoalStates(position(space, *start), position(space, *goal), goal_radius_cells)
+    return setup
 
 
 def bounded_space(base: Any, shape: Sequence[int], horizon_steps: float | None = None) -> Any:
@@ -111,8 +150,3 @@ def timed_track(start: Cell, corners: Sequence[tuple[float, float]], last: int) 
             reason=f"its way of {track[-1].step:.0f} cells does not fit the horizon of {last} steps"
         )
     return PeerRoute(track=tuple(track))
-
-
-def already_there(start: Cell) -> PeerRoute:
-    """The way to where one is: trees sample it as a goal to be met again."""
-    return PeerRoute(track=(TrackPoint(0.0, float(start[0]), float(start[1])),))

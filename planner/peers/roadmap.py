@@ -13,60 +13,38 @@ from typing import Any
 from scipy import sparse
 from scipy.sparse import csgraph
 
-from planner.peers.plane import (
-    MISSING,
-    SPACING,
-    already_there,
-    bounded_space,
-    counted,
-    free_around,
-    load_ompl,
-    position,
-    timed_track,
-)
-from planner.peers.route import START_IN_HAZARD, PeerRoute
+from planner.peers.plane import Ompl, counted, position, search_by_ompl, set_up_on_first_map, timed_track
+from planner.peers.route import PeerRoute
 from planner.staged import Cell, StagedProblem
 
 GROWTH_ITERATIONS = 1_500
+_GOAL_RADIUS_CELLS = 1e-6  # the goal itself
 _JOINED = 10  # nearest milestones that start and goal are joined to
 
 
 def find(problem: StagedProblem, start: Cell, goal: Cell, *, seed: int = 0) -> PeerRoute:
     """The shortest way over the roadmap, flown as if the map never changed."""
-    modules = load_ompl(seed)
-    if modules is None:
-        return MISSING
-    if problem.hazard[0][start]:
-        return START_IN_HAZARD
-    if start == goal:
-        return already_there(start)
-    base, geometric, _ = modules
-    space, free = bounded_space(base, problem.hazard.shape[1:]), free_around(problem.hazard[0])
-    setup = geometric.SimpleSetup(space)
+    return search_by_ompl(_search, problem, start, goal, seed)
 
-    def valid(state: Any) -> bool:
-        return free(state[0], state[1])
 
-    setup.setStateValidityChecker(valid)
+def _search(ompl: Ompl, problem: StagedProblem, start: Cell, goal: Cell) -> PeerRoute:
+    setup = set_up_on_first_map(ompl, problem, start, goal, _GOAL_RADIUS_CELLS)
     information = setup.getSpaceInformation()
-    information.setStateValidityCheckingResolution(SPACING / space.getMaximumExtent())
-    setup.setStartAndGoalStates(position(space, *start), position(space, *goal))
-    planner = geometric.PRM(information)
+    planner = ompl.geometric.PRM(information)
     setup.setPlanner(planner)
     setup.setup()
-    planner.growRoadmapPtc(counted(base, GROWTH_ITERATIONS))
-    data = base.PlannerData(information)
+    planner.growRoadmapPtc(counted(ompl.base, GROWTH_ITERATIONS))
+    data = ompl.base.PlannerData(information)
     planner.getPlannerData(data)
-    corners = _query(information, space, data, start, goal)
+    corners = _query(information, data, start, goal)
     if corners is None:
         return PeerRoute(reason="the roadmap does not join start and goal")
     return timed_track(start, corners, problem.clock.step_count - 1)
 
 
-def _query(
-    information: Any, space: Any, data: Any, start: Cell, goal: Cell
-) -> list[tuple[float, float]] | None:
+def _query(information: Any, data: Any, start: Cell, goal: Cell) -> list[tuple[float, float]] | None:
     """Corners of the shortest way from start to goal over the milestones, None without one."""
+    space = information.getStateSpace()
     count = data.numVertices()
     states = [data.getVertex(index).getState() for index in range(count)]
     places = [(float(state[0]), float(state[1])) for state in states]

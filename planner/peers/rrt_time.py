@@ -7,19 +7,11 @@ from __future__ import annotations
 
 import math
 import random
+from functools import partial
 from typing import Any
 
-from planner.peers.plane import (
-    MISSING,
-    SPACING,
-    already_there,
-    bounded_space,
-    counted,
-    free_around,
-    load_ompl,
-    position,
-)
-from planner.peers.route import START_IN_HAZARD, PeerRoute, TrackPoint
+from planner.peers.plane import SPACING, Ompl, bounded_space, counted, free_around, position, search_by_ompl
+from planner.peers.route import PeerRoute, TrackPoint
 from planner.staged import Cell, StagedProblem
 
 ITERATIONS = 20_000
@@ -34,14 +26,11 @@ def find(problem: StagedProblem, start: Cell, goal: Cell, *, seed: int = 0) -> P
     A control is a course held at one cell a step, or a wait, for up to six steps. The way is valid in the
     changing map; it is crooked, and no claim is made about its arrival.
     """
-    modules = load_ompl(seed)
-    if modules is None:
-        return MISSING
-    if problem.hazard[0][start]:
-        return START_IN_HAZARD
-    if start == goal:
-        return already_there(start)
-    base, _, control = modules
+    return search_by_ompl(partial(_grow, seed), problem, start, goal, seed)
+
+
+def _grow(seed: int, ompl: Ompl, problem: StagedProblem, start: Cell, goal: Cell) -> PeerRoute:
+    base, _, control = ompl
     horizon = float(problem.clock.step_count - 1)
     space = bounded_space(base, problem.hazard.shape[1:], horizon)
     controls = control.RealVectorControlSpace(space, 2)

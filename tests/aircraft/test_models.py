@@ -1,8 +1,7 @@
-"""The aerosonde against closed forms from the published coefficients, and its open-loop modes."""
+"""The aerosonde against closed forms from the published coefficients."""
 
 import math
 
-import jsbsim
 import numpy as np
 import pytest
 
@@ -56,35 +55,6 @@ def test_trim_agrees_with_the_published_coefficients(airspeed_mps: float, altitu
 
 def test_trim_at_25_mps_and_1000_m() -> None:
     assert math.degrees(trimmed(25.0, 1000.0).state().angle_of_attack_rad) == pytest.approx(3.6, abs=0.1)
-
-
-def open_loop(airspeed_mps: float, states: tuple[str, ...], monkeypatch: pytest.MonkeyPatch) -> np.ndarray:
-    """Eigenvalues of the trimmed aircraft without its autopilot, of the block of these states."""
-    monkeypatch.setattr(JsbsimAircraft, "_engage_autopilot", lambda _: None)
-    model = jsbsim.FGLinearization(trimmed(airspeed_mps, 1000.0)._fdm)
-    rows = [model.x_names.index(name) for name in states]
-    return np.linalg.eigvals(np.asarray(model.system_matrix)[np.ix_(rows, rows)])
-
-
-@pytest.mark.parametrize("airspeed_mps", [20.0, 27.0, 41.0])
-def test_lateral_modes_are_stable(airspeed_mps: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    modes = open_loop(airspeed_mps, ("Beta", "Phi", "P", "R"), monkeypatch)
-    real = np.sort(modes[np.abs(modes.imag) < 1e-6].real)
-    assert real[0] < -10.0  # roll
-    assert -0.5 < real[-1] < -0.02  # spiral: slow, and not diverging
-    dutch_roll = modes[np.abs(modes.imag) > 1.0]
-    assert len(dutch_roll) == 2
-    assert np.all(-dutch_roll.real / np.abs(dutch_roll) > 0.4)
-
-
-@pytest.mark.parametrize("airspeed_mps", [20.0, 27.0, 41.0])
-def test_longitudinal_modes_are_stable(airspeed_mps: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    modes = open_loop(airspeed_mps, ("Vt", "Alpha", "Theta", "Q"), monkeypatch)
-    short_period = modes[np.abs(modes) > 3.0]
-    phugoid = modes[np.abs(modes) < 1.0]
-    assert len(short_period) == len(phugoid) == 2
-    assert np.all(-short_period.real / np.abs(short_period) > 0.35)
-    assert np.all(-phugoid.real / np.abs(phugoid) > 0.03)
 
 
 def test_fuel_lasts_twenty_hours_of_cruise() -> None:

@@ -395,3 +395,19 @@ def test_a_lap_is_not_mistaken_for_another_by_a_flight_late_by_more_than_one() -
     assert (expected_m - flown_m).max() > 2.0 * math.pi * LOITER_M
     np.testing.assert_allclose(path_m, flown_m, atol=1e-3)
     np.testing.assert_allclose(cross_m, 0.0, atol=1e-3)
+
+
+@given(plans(), st.lists(st.floats(-0.1, 1.1), min_size=1, max_size=20))
+@settings(derandomize=True, deadline=None, max_examples=100)
+def test_a_target_is_the_point_without_its_position(points: list[PathPoint], shares: list[float]) -> None:
+    reference = lay(points)
+    for share in shares:  # to and fro, so that remembered stretches are left and entered again
+        point, target = reference.at(share * reference.end_m), reference.target(share * reference.end_m)
+        for name in target._fields:
+            assert getattr(target, name) == pytest.approx(getattr(point, name), rel=1e-12, abs=1e-7), name
+
+
+def test_a_target_where_segments_meet_is_the_later_ones() -> None:
+    reference = lay(flat((0.0, 0.0, 0.0), (3000.0, 0.0, 100.0), (3000.0, 3000.0, 200.0)))
+    for start_m in reference.start_m.tolist():
+        assert reference.target(start_m)[3:] == (*reference.at(start_m)[5:8], reference.at(start_m).phase)

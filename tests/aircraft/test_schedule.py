@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from aircraft.envelope import Envelope
 from aircraft.reference import PathPoint, Reference
-from aircraft.schedule import Schedule
+from aircraft.schedule import End, Schedule
 
 ENVELOPE = Envelope(
     airspeed_min_mps=20.0,
@@ -49,11 +49,10 @@ def test_late_is_faster_with_some_power_in_reserve_and_early_slower_but_no_slowe
     schedule = Schedule(reference(), ENVELOPE)
     assert asked(schedule) < asked(schedule, late_s=0.5) < asked(schedule, late_s=1.0)
     assert asked(schedule, late_s=100.0) == pytest.approx(36.0)
-    assert schedule.at_fastest
+    assert schedule.end is End.FASTEST
     assert asked(schedule, late_s=-1.0) < asked(schedule)
     assert asked(schedule, late_s=-100.0) == ENVELOPE.airspeed_min_mps
-    assert schedule.at_slowest
-    assert not schedule.at_fastest
+    assert schedule.end is End.SLOWEST
     assert asked(schedule, late_s=-100.0, tan_bank=math.tan(math.radians(35.0))) == pytest.approx(
         ENVELOPE.airspeed_min_mps / math.sqrt(math.cos(math.radians(35.0)))
     )

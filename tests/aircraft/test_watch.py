@@ -5,6 +5,7 @@ import math
 import pytest
 
 from aircraft.envelope import Envelope
+from aircraft.schedule import End
 from aircraft.watch import Path, Watch
 
 ENVELOPE = Envelope(
@@ -73,7 +74,7 @@ def test_a_delay_is_told_as_it_grows_and_when_it_is_made_good() -> None:
     watch = Watch(ENVELOPE)
     told = []
     for late_s in [4.0, 5.5, 6.0, 14.0, 15.5, 20.0, 31.0, 12.0, 0.5, 0.4]:
-        watch.note_schedule(late_s, at_fastest=True, at_slowest=False)
+        watch.note_schedule(late_s, End.FASTEST)
         told += watch.take()
     assert told == [
         "schedule: at the fastest, late by 6 s",
@@ -85,10 +86,10 @@ def test_a_delay_is_told_as_it_grows_and_when_it_is_made_good() -> None:
 
 def test_early_at_the_slowest_is_told_too_and_what_airspeed_can_mend_is_not() -> None:
     watch = Watch(ENVELOPE)
-    watch.note_schedule(-35.0, at_fastest=True, at_slowest=False)
-    watch.note_schedule(35.0, at_fastest=False, at_slowest=True)
+    watch.note_schedule(-35.0, End.FASTEST)
+    watch.note_schedule(35.0, End.SLOWEST)
     assert watch.take() == []
-    watch.note_schedule(-35.0, at_fastest=False, at_slowest=True)
+    watch.note_schedule(-35.0, End.SLOWEST)
     assert watch.take() == ["schedule: at the slowest, early by 35 s"]
-    watch.note_schedule(0.2, at_fastest=False, at_slowest=False)
+    watch.note_schedule(0.2, End.NEITHER)
     assert watch.take() == ["schedule: kept again"]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from planner.compare import cells_by_step, compare
-from planner.comparison_picture import draw
+from planner.comparison_picture import check_picture, draw
 from planner.comparison_table import rows_table, summary_table
 from planner.errors import BadFieldError, OutsideGridError, PlannerError
 from planner.hazards import StageClock, clearance_cells
@@ -146,6 +146,15 @@ def test_the_picture_is_a_png_and_shows_routes(problem, tmp_path):
     assert again.read_bytes() == (tmp_path / "with.png").read_bytes()
 
 
+def test_a_picture_that_cannot_be_written_is_refused_before_the_planners_run(tmp_path):
+    pytest.importorskip("matplotlib")
+    check_picture(tmp_path / "routes.png")
+    with pytest.raises(PlannerError, match=r"does not end in \.png"):
+        check_picture(tmp_path / "routes.docx")
+    with pytest.raises(PlannerError, match=r"there is no folder .*nowhere"):
+        check_picture(tmp_path / "nowhere" / "routes.png")
+
+
 def test_what_is_not_installed_is_named(problem, monkeypatch, tmp_path):
     for name in ("ompl.base", "pygad", "matplotlib.figure"):
         monkeypatch.setitem(sys.modules, name, None)  # as if it were not there
@@ -153,6 +162,8 @@ def test_what_is_not_installed_is_named(problem, monkeypatch, tmp_path):
         assert "galeway[peers]" in PEERS[name].find(problem, START, GOALS[0]).reason
     with pytest.raises(PlannerError, match=r"galeway\[plot\]"):
         draw(problem, START, [], tmp_path / "picture.png")
+    with pytest.raises(PlannerError, match=r"galeway\[plot\]"):
+        check_picture(tmp_path / "picture.png")
 
 
 def test_no_route_arrives_never():

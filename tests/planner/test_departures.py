@@ -7,18 +7,62 @@ import numpy as np
 import pytest
 
 from planner.arrivals import sweep_arrivals
-from planner.departures import assign_distinct, search_departures, slots_in_steps
+from planner.departures import (
+    Assignment,
+    BestBy,
+    Departures,
+    assign_distinct,
+    choose_slots,
+    search_departures,
+    slots_in_steps,
+)
 from planner.errors import PlannerError
 from planner.ground import Ground
 from planner.hazards import StageClock
 
 
 def test_slots_are_steps_with_both_ends():
-    assert slots_in_steps(0.0, 30.0, 10.0, 120.0) == (0, 5, 10, 15)
-    assert len(slots_in_steps(0.0, 1080.0, 10.0, 120.0)) == 109
-    for bad in [(0.0, 30.0, 0.0), (30.0, 0.0, 10.0), (0.0, math.inf, 1.0), (0.0, 10.0, 5.0)]:
-        with pytest.raises(PlannerError):
-            slots_in_steps(*bad, 120.0)
+    clock = StageClock(0.0, 19, 30)
+    assert slots_in_steps(0.0, 30.0, 10.0, clock) == (0, 5, 10, 15)
+    assert slots_in_steps(4.0, 9.0, 4.0, clock) == (2, 4)
+    assert len(slots_in_steps(0.0, 1080.0, 10.0, clock)) == 109
+    assert slots_in_steps(0.0, 1080.0, 360.0, StageClock(0.0, 18, 30)) == (0, 180, 360)  # 540 is the end
+    assert len(slots_in_steps(0.0, 0.3, 0.1, StageClock(0.0, 1, 10, 6.0))) == 4
+
+
+@pytest.mark.parametrize(
+    ("minutes", "says"),
+    [
+        ((0.0, 30.0, 0.0), "make no slots"),
+        ((0.0, 30.0, -2.0), "make no slots"),
+        ((30.0, 0.0, 10.0), "make no slots"),
+        ((-10.0, 0.0, 10.0), "make no slots"),
+        ((0.0, math.inf, 1.0), "make no slots"),
+        ((math.nan, 10.0, 2.0), "make no slots"),
+        ((0.0, 10.0, 5.0), "steps of 120 s; use multiples of 2 min"),
+        ((1.0, 11.0, 2.0), "steps of 120 s"),
+        ((0.0, 100.0, 1e-9), "steps of 120 s"),
+        ((0.0, 1142.0, 2.0), "horizon, which ends at 1140 min"),
+        ((1140.0, 1140.0, 2.0), "horizon, which ends at 1140 min"),
+        ((0.0, 1e300, 2.0), "horizon"),
+    ],
+)
+def test_slots_that_make_no_sense(minutes, says):
+    with pytest.raises(PlannerError, match=says):
+        slots_in_steps(*minutes, StageClock(0.0, 19, 30))
+
+
+def test_the_safest_departure_is_the_first_to_arrive_of_equals():
+    arrivals = np.array([[9], [7], [8], [-1]], dtype=np.int32)
+    survival = np.array([[0.5], [0.9], [0.9], [0.0]])
+    table = Departures((0, 1, 2, 3), ((0, 4),), 120.0, arrivals, survival)
+    assert table.best(0, BestBy.SURVIVAL) == 1
+    assert choose_slots(table, BestBy.SURVIVAL, distinct=False) == Assignment((1,), 12.0)
+    blind = Departures((0,), ((0, 4),), 120.0, arrivals[:1])
+    with pytest.raises(PlannerError, match="not searched for survival"):
+        blind.best(0, BestBy.SURVIVAL)
+    with pytest.raises(PlannerError, match="by 'luck'; choose arrival, flight, survival"):
+        BestBy.named("luck")
 
 
 def test_leaving_later_saves_the_wait_before_a_closed_door():

@@ -10,7 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from planner.air import Air, Chart
-from planner.earliest import TimedProblem, sweep
+from planner.earliest import sweep
+from planner.edges import TimedProblem
 from planner.errors import PlannerError
 from planner.grid import Grid, geodesic_m
 from planner.hazards import StageClock

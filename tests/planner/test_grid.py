@@ -151,3 +151,16 @@ def test_geodesic_agrees_with_a_published_line() -> None:
     buninyong = -(37 + 39 / 60 + 10.15610 / 3600), 143 + 55 / 60 + 35.38390 / 3600
     length_m = geodesic_m(*map(math.radians, (*flinders, *buninyong)))
     assert length_m == pytest.approx(54972.271, abs=2e-3)
+
+
+@given(lat_deg=st.floats(-79.0, 79.0), lon_deg=st.floats(-179.0, 179.0), turns=st.integers(-1, 1))
+def test_a_single_point_lies_where_proj_puts_it(lat_deg: float, lon_deg: float, turns: int) -> None:
+    frame = LocalFrame(math.radians(28.5), math.radians(-84.0))
+    lat_rad, lon_rad = math.radians(lat_deg), math.radians(lon_deg)
+    north_m, east_m, scale = frame.plane_point(lat_rad, lon_rad + turns * TURN)
+    expected_north_m, expected_east_m = frame.to_plane(lat_rad, lon_rad)
+    assert north_m == pytest.approx(expected_north_m, abs=1e-6)
+    assert math.remainder(
+        east_m - expected_east_m, 2.0 * frame.plane_point(0.0, frame.origin_lon_rad + math.pi)[1]
+    ) == pytest.approx(0.0, abs=1e-6)
+    assert scale == pytest.approx(frame.scale(lat_rad), rel=1e-12)

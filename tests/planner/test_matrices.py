@@ -54,7 +54,18 @@ def test_stages_report_the_best_route_so_far():
     first, second = found.to_dict()["stages"]
     assert first == {"stage": 0, "reachable": False, "arrival_step": None, "score": None}
     assert (second["reachable"], second["arrival_step"]) == (True, 7)
+    assert second["route"] == found.to_dict()["route"]
     assert found.stages[1].best == found.route
+
+
+@pytest.mark.parametrize("objective", ["earliest", "score", "survival"])
+def test_a_stage_repeats_no_route(objective):
+    (found,) = planner.plan(CLEAR, (0, 0), [(0, 2)], steps_per_stage=5, objective=objective)
+    first, second = found.to_dict()["stages"]
+    assert first["route"][-1] == [2, 0, 2]
+    assert second == {name: value for name, value in first.items() if name != "route"} | {"stage": 1}
+    (late,) = planner.plan(CLEAR, (0, 0), [(0, 2)], steps_per_stage=5, objective=objective, depart_step=6)
+    assert [end.stage for end in late.stages] == [1]
 
 
 def test_exact_reports_a_closed_gap():
@@ -116,8 +127,102 @@ def test_survival_takes_an_ensemble_or_probabilities():
     (given,) = planner.plan(
         members[0], (0, 0), [(0, 4)], **options, probability=np.full((1, 3, 5), 0.5), abstain_below=0.9
     )
-    assert given.survival == pytest.approx(0.5**5)
+    assert given.chance.at_least == pytest.approx(0.5**5)
     assert given.abstained
+
+
+def test_other_objectives_report_the_survival_that_a_probability_gives():
+    p = np.full(CLEAR.shape, 0.1)
+    for objective in ("earliest", "score"):
+        (found,) = planner.plan(
+            CLEAR, (0, 0), [(0, 2)], objective=objective, probability=p, abstain_below=0.8
+        )
+        assert (found.chance.at_least, found.chance.at_most) == (pytest.approx(0.9**3), pytest.approx(0.9))
+        assert found.abstained
+    hazards = CLEAR.copy()
+    hazards[:, :, 3] = 1
+    (missed,) = planner.plan(hazards, (0, 0), [(0, 4)], probability=p)
+    assert missed.chance is None
+
+
+@pytest.mark.parametrize("objective", ["earliest", "score", "survival"])
+def test_routes_of_every_objective_are_counted_in_an_ensemble_beside_the_forecast(objective):
+    members = np.zeros((5, 1, 2, 4), dtype=bool)
+    members[:2, 0, :, 2] = True
+    options = {"objective": objective, "members": members, "blur_cells": 0.0}
+    (found,) = planner.plan(np.zeros((1, 2, 4)), (0, 0), [(0, 3)], **options, abstain_below=0.6)
+    answer = found.to_dict()
+    assert (answer["members_survived"], answer["members"], answer["abstained"]) == (3, 5, False)
+    assert answer["survival"] == pytest.approx(0.6)
+    (timid,) = planner.plan(np.zeros((1, 2, 4)), (0, 0), [(0, 3)], **options, abstain_below=0.61)
+    assert timid.abstained
+
+
+def test_a_goal_that_certain_hazard_shuts_off_says_how_near():
+    members = np.zeros((3, 2, 1, 5), dtype=bool)
+    members[:, :, 0, 3] = True
+    (found,) = planner.plan(members, (0, 0), [(0, 4)], objective="survival", blur_cells=0.0)
+    assert found.reason == "no safe way leads there within the horizon"
+    assert (found.dead_end.nearest, found.dead_end.last_door_stage) == ((0, 2), None)
+
+
+def test_isochrones_are_the_arrivals_at_every_cell():
+    hazards = np.random.default_rng(5).random((3, 6, 7)) < 0.3
+    hazards[:, 0, 0] = False
+    for occupancy in ("paper", "strict"):
+        steps = planner.isochrones(hazards, (0, 0), steps_per_stage=6, occupancy=occupancy, depart_step=3)
+        goals = list(np.ndindex(6, 7))
+        found = planner.plan(hazards, (0, 0), goals, steps_per_stage=6, occupancy=occupancy, depart_step=3)
+        assert [-1 if entry.earliest_step is None else entry.earliest_step for entry in found] == (
+            steps.ravel().tolist()
+        )
+    with pytest.raises(PlannerError, match="horizon of 18"):
+        planner.isochrones(hazards, (0, 0), steps_per_stage=6, depart_step=18)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_departures_are_planned_as_one_by_one(seed):
+    random = np.random.default_rng(seed)
+    hazards = random.random((3, 5, 5)) < 0.3
+    goals = [tuple(cell) for cell in random.integers(0, 5, (4, 2)).tolist()]
+    slots = range(0, 12, 2)
+    alone = {
+        slot: planner.plan(hazards, (2, 2), goals, steps_per_stage=5, depart_step=slot) for slot in slots
+    }
+    for by in ("arrival", "flight"):
+        found = planner.plan_departures(hazards, (2, 2), goals, (0, 20, 4), best_by=by, steps_per_stage=5)
+        for at, entry in enumerate(found.goals):
+            reached = {slot: plans[at].route.arrival_step for slot, plans in alone.items() if plans[at].route}
+            assert entry.reachable == bool(reached)
+            if reached:
+                worth = {slot: step - (slot if by == "flight" else 0) for slot, step in reached.items()}
+                assert worth[entry.route.first_step] == min(worth.values())
+                assert entry == alone[entry.route.first_step][at]
+    fleet = planner.plan_departures(hazards, (2, 2), goals, (0, 20, 4), distinct=True, steps_per_stage=5)
+    left = [entry.route.first_step for entry in fleet.goals if entry.route]
+    assert len(left) == len(set(left))
+    total = sum(
+        1440.0 if entry.route is None else 2.0 * (entry.route.arrival_step - entry.route.first_step)
+        for entry in fleet.goals
+    )
+    assert fleet.table.chosen.total_min == total
+    assert json.loads(json.dumps(fleet.to_dict())) == fleet.to_dict()
+
+
+def test_departures_by_survival_take_an_ensemble():
+    members = np.random.default_rng(2).random((5, 3, 4, 4)) < 0.25
+    members[:, :, 0, 0] = False
+    options = {"steps_per_stage": 4, "blur_cells": 0.5}
+    found = planner.plan_departures(members, (0, 0), [(3, 3)], (0, 10, 2), best_by="survival", **options)
+    chances = [
+        planner.plan(members, (0, 0), [(3, 3)], objective="survival", depart_step=slot, **options)[0].chance
+        for slot in range(6)
+    ]
+    (goal,) = found.goals
+    assert goal.chance.members == 5
+    known = [0.0 if chance is None else chance.at_least for chance in chances]
+    assert goal.chance.at_least == pytest.approx(max(known))
+    assert found.table.departures.survival[:, 0] == pytest.approx(known, abs=1e-9)
 
 
 def test_the_smallest_worlds():
@@ -175,6 +280,10 @@ def test_ten_thousand_goals_out_of_reach(objective):
         ({"objective": "fastest"}, PlannerError, "earliest, score, survival"),
         ({"occupancy": "loose"}, PlannerError, "paper or strict"),
         ({"exact": True}, PlannerError, "objective 'score'"),
+        ({"abstain_below": 0.5}, PlannerError, "chance to survive"),
+        ({"members": np.zeros((3, 2, 4, 4))}, BadFieldError, "do not fit"),
+        ({"members": np.zeros((4, 5))}, BadFieldError, "member, stage, row, column"),
+        ({"probability": np.full((2, 4, 5), np.nan)}, BadFieldError, "0 and 1"),
         ({"depart_step": 60}, PlannerError, "horizon of 60 steps"),
         ({"depart_step": -1}, PlannerError, "horizon"),
         ({"objective": "survival", "abstain_below": 1.5}, BadFieldError, "between 0 and 1"),

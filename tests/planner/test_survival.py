@@ -8,11 +8,14 @@ import pytest
 from planner.errors import BadFieldError
 from planner.ground import Ground
 from planner.hazards import StageClock
+from planner.score import Weights
 from planner.survival import (
+    Survival,
     probability_from_forecast,
     probability_from_members,
     search_survival,
     survival_by_departure,
+    survival_of,
 )
 
 
@@ -32,8 +35,8 @@ def test_is_the_safest_of_every_route(block, small_world, enumeration):
         (found,) = search_survival(p, ground, start, [goal])
         assert bool(found.cells) == bool(best)
         if found.cells:
-            assert found.survival == pytest.approx(max(best.values()), rel=1e-9)
-            assert best[found.arrival_step] == pytest.approx(found.survival, rel=1e-9)
+            assert found.chance.at_least == pytest.approx(max(best.values()), rel=1e-9)
+            assert best[found.arrival_step] == pytest.approx(found.chance.at_least, rel=1e-9)
 
 
 def test_goes_around_what_is_likely_and_counts_the_members():
@@ -44,11 +47,15 @@ def test_goes_around_what_is_likely_and_counts_the_members():
     assert p[0, 0, 2] == pytest.approx(0.75)
     ground = Ground(np.zeros((1, 3, 5), dtype=bool), StageClock(0.0, 1, 9))
     (found,) = search_survival(p, ground, (0, 0), [(0, 4)], members=members)
-    assert (found.survival, found.members_survived, found.members) == (pytest.approx(1.0), 4, 4)
+    assert found.chance == Survival(pytest.approx(1.0), pytest.approx(1.0), 4, 4)
     assert (2, 2) in found.cells
     short = Ground(np.zeros((1, 3, 5), dtype=bool), StageClock(0.0, 1, 7))
     (hasty,) = search_survival(p, short, (0, 0), [(0, 4)], members=members, abstain_below=0.8)
-    assert (hasty.survival, hasty.members_survived, hasty.abstained) == (pytest.approx(0.75), 3, True)
+    assert (hasty.chance.at_least, hasty.chance.members_survived, hasty.abstained) == (
+        pytest.approx(0.75),
+        3,
+        True,
+    )
     assert (1, 2) in hasty.cells
     (bold,) = search_survival(p, short, (0, 0), [(0, 4)], members=members, abstain_below=0.75)
     assert not bold.abstained
@@ -57,7 +64,38 @@ def test_goes_around_what_is_likely_and_counts_the_members():
 def test_of_equally_safe_arrivals_the_earliest_with_fewest_moves():
     ground = Ground(np.zeros((1, 3, 5), dtype=bool), StageClock(0.0, 1, 20))
     (found,) = search_survival(np.zeros((1, 3, 5)), ground, (0, 0), [(2, 4)])
-    assert (found.arrival_step, found.survival) == (6, 1.0)
+    assert (found.arrival_step, found.chance.at_least) == (6, 1.0)
+
+
+def test_a_route_survives_between_its_product_and_its_worst_step():
+    p = np.zeros((2, 1, 3))
+    p[0, 0, 1], p[1, 0, 1], p[1, 0, 2] = 0.2, 0.5, 0.1
+    clock = StageClock(0.0, 2, 2)
+    chance = survival_of([(0, 1), (0, 1), (0, 2)], 1, p, clock)
+    assert chance == Survival(pytest.approx(0.8 * 0.5 * 0.9), pytest.approx(0.5))
+
+
+def test_the_safest_so_far_grows_from_stage_to_stage(small_world):
+    improved = 0
+    for seed in range(40):
+        ground, start, goal = small_world(seed, steps=9)
+        p = np.random.default_rng(seed).random(ground.hazard.shape) * 0.5
+        (found,) = search_survival(p, ground, start, [goal], by_stage=True)
+        if not found.cells:
+            assert found.by_stage == ()
+            continue
+        assert len(found.by_stage) == ground.clock.stage_count
+        assert found.by_stage[-1] == found.cells
+        chances = []
+        for stage, cells in enumerate(found.by_stage):
+            assert len(cells) <= (stage + 1) * ground.clock.steps_per_stage
+            chances.append(survival_of(cells, 0, p, ground.clock).at_least if cells else 0.0)
+        assert chances == sorted(chances)
+        improved += len(set(chances)) > 1
+        route, ends = found.evaluated(p, ground.clock, Weights())
+        assert route.cells == found.cells
+        assert [end.best.cells if end.best else () for end in ends] == list(found.by_stage)
+    assert improved > 3
 
 
 def test_blur_spreads_and_keeps_probabilities():
@@ -106,8 +144,12 @@ def test_each_departure_has_the_survival_of_its_own_search(small_world):
         slots = range(ground.clock.step_count)
         goals = [goal, start]
         table = survival_by_departure(p, ground, start, goals, slots)
-        reached += int((table > 0.0).sum())
-        for slot, row in zip(slots, table, strict=True):
+        reached += int((table.survival > 0.0).sum())
+        for slot, row, arrivals in zip(slots, table.survival, table.arrival_step, strict=True):
             found = search_survival(p, ground, start, goals, first_step=slot)
-            assert row == pytest.approx([entry.survival for entry in found], abs=1e-9)
+            assert row == pytest.approx(
+                [entry.chance.at_least if entry.chance else 0.0 for entry in found], abs=1e-9
+            )
+            steps = [entry.arrival_step for entry in found]
+            assert arrivals.tolist() == [-1 if step is None else step for step in steps]
     assert reached > 100

@@ -10,8 +10,8 @@ from planner.air import Air, Chart
 from planner.grid import Grid
 from planner.intervals import SafeIntervals
 from planner.legs import Country, are_safe, fly, lay_legs
-from planner.straighten import Leg
 from planner.waits import with_flyable_waits
+from planner.way import Leg
 
 STAGE_S = 600.0
 STEP_RAD = 3600.0 / 6_371_000.0

@@ -49,6 +49,7 @@ REQUEST = PlanningRequest(
     corridor_m=CORRIDOR_M,
     airspeed_min_mps=22.0,
     airspeed_max_mps=39.0,
+    objective="earliest",
     cruise_mps=27.0,
 )
 

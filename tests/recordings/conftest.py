@@ -16,6 +16,7 @@ from recordings.mcap_reader import read
 from recordings.mcap_writer import McapRecorder
 from recordings.recorder import FlightHeader, GuidanceSample, Layer, Outcome, Recorder, WeatherSheet
 from recordings.recording import Recording
+from recordings.samples import Samples
 
 DEPARTURE_S = 1664409600.0
 STAGE_S = 600.0
@@ -164,7 +165,21 @@ def fly_along(
         GuidanceSample(float(path_m), 0.25, -0.5, 1.5, 1, Command(0.1, 28.0, ALTITUDE_M, 0.0))
         for path_m in reference.path_at_times(times_s)
     ]
-    return Flight(header, states, guidance, make_sheets() if sheets is None else sheets)
+    return Flight(header, *as_recorded(states, guidance), make_sheets() if sheets is None else sheets)
+
+
+def as_recorded(
+    states: list[FlightState], guidance: list[GuidanceSample]
+) -> tuple[list[FlightState], list[GuidanceSample]]:
+    """Samples that lie on the steps of the schema, so that what is read can be compared exactly."""
+    samples = Samples()
+    for state, sample in zip(states, guidance, strict=True):
+        samples.add(state, sample)
+    state_table, guidance_table = samples.take()
+    return [FlightState._make(row) for row in state_table.tolist()], [
+        GuidanceSample(path_m, across_m, above_m, late_s, int(phase), Command(*command))
+        for _, path_m, across_m, above_m, late_s, phase, *command in guidance_table.tolist()
+    ]
 
 
 @dataclass(frozen=True)

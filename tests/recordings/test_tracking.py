@@ -26,7 +26,7 @@ def tracked(workshop):
 def test_a_flight_along_the_reference_has_no_errors(tracked):
     report = tracked()
     assert report.arrived
-    assert report.cross_track_m.max == pytest.approx(0.0, abs=1e-6)
+    assert report.cross_track_m.max == pytest.approx(0.0, abs=1e-5)
     assert report.altitude_error_m.max == 0.0
     assert report.waypoint_time_error_s.max == pytest.approx(0.0, abs=1e-4)
     assert report.corner_cut_m.max == pytest.approx(0.0, abs=1e-6)
@@ -66,7 +66,7 @@ def test_the_lead_in_does_not_count(workshop):
     report = track(workshop.recording(replace(flight, states=wild)))
     assert report.altitude_error_m.max == 0.0
     assert report.airspeed_mps.max < 30.0
-    assert (report.wind_mps.max, report.hazard_exposure_s) == (pytest.approx(6.0), 0.0)
+    assert (report.wind_mps.max, report.hazard_exposure_s) == (pytest.approx(6.0, abs=1e-3), 0.0)
 
 
 def weaving(workshop):
@@ -211,7 +211,7 @@ def test_time_in_strong_wind_is_exposure(tracked):
     report = tracked(wind_mps=lambda time_s: 15.5 if 60.0 <= time_s < 90.0 else 6.0)
     assert report.hazard_exposure_s == pytest.approx(30.0)
     assert report.worst["hazard_exposure_s"].time_s == 60.0
-    assert report.worst["hazard_exposure_s"].value == pytest.approx(15.5)
+    assert report.worst["hazard_exposure_s"].value == pytest.approx(15.5, abs=1e-3)
     assert (report.wind_mps.min, report.wind_mps.max) == pytest.approx((6.0, 15.5))
 
 

@@ -123,9 +123,13 @@ def test_the_wind_aware_plan_is_flown_on_time(galeway, tmp_path):
 
 
 def test_planners_are_compared(galeway):
-    done = galeway("compare", SHORT, "--only", "staged,bfs,astar-steps")
+    done = galeway("compare", SHORT, "--only", "staged,bfs,astar-steps,windaware")
     assert done.returncode == 0, done.stderr
-    assert all(name in done.stdout for name in ("staged", "bfs", "astar-steps", "There"))
+    assert done.stderr.split() == ["staged", "...", "bfs", "...", "astar-steps", "...", "windaware", "..."]
+    assert "There" in done.stdout
+    summary = done.stdout.rpartition("planner ")[2].splitlines()[1:]
+    kept = {line.split()[0]: line.split()[2] for line in summary if line}
+    assert kept == dict.fromkeys(("staged", "bfs", "astar-steps", "windaware"), "1/1")
     unknown = galeway("compare", SHORT, "--only", "oracle")
     assert unknown.returncode == 2
     assert "'oracle'" in unknown.stderr

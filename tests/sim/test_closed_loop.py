@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from recordings.recorder import Layer, Outcome
-from sim.closed_loop import WIND_RAMP_S, fly
+from sim.closed_loop import fly
+from sim.wind_ahead import WIND_RAMP_S
 
 TANK = "propulsion/tank/contents-lbs"
 

@@ -59,6 +59,7 @@ def test_an_own_file_gets_defaults(write):
         ("turbulence.kind=none", lambda s: s.turbulence.kind, "none"),
         ("mission.goal=Key West", lambda s: s.mission.goal, "Key West"),
         ('mission.goal="Key West"', lambda s: s.mission.goal, "Key West"),
+        ("hazard.forecast_error_mps=3", lambda s: s.hazard.forecast_error_mps, 3.0),
         ("hazard.threshold_mps=20", lambda s: s.hazard.threshold_mps, 20.0),
         ("limits=[]", lambda s: s.limits, ()),
         ("seed=9", lambda s: s.seed, 9),
@@ -87,6 +88,11 @@ def test_overrides(override, get, value):
         ("seed", r"not of the form"),
         ("seed.more=1", r"'seed' is a value, not a table"),
         ("mission.start.lat_deg=95", r"lat_deg"),
+        ("hazard.forecast_error_mps=-1", r"forecast_error_mps"),
+        ("planner.objective=survival", r"needs hazard.forecast_error_mps above 0"),
+        ("planner.abstain_below=0.5", r"abstain_below is 0.5, but .* needs hazard.forecast_error_mps"),
+        ("planner.abstain_below=1.5", r"abstain_below is 1.5: .*<= 1"),
+        ("planner.objective=fuel", r"'fuel' is not one of the staged planner"),
     ],
 )
 def test_wrong_overrides_are_named(override, message):

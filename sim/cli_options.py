@@ -1,0 +1,58 @@
+"""What commands have in common: the scenario with all that overrides a part of it, and exit codes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from planner.plans import Plan
+    from sim.scenario import LoadedScenario
+
+BAD_INPUT = 2
+FAILED = 1
+INTERRUPTED = 130
+
+
+def scenario_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The scenario and everything that overrides a part of it."""
+    for decorate in (
+        click.argument("scenario", default="ian"),
+        click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Override any value."),
+        click.option("--goal", help="Fly to this goal; short for --set mission.goal=NAME."),
+        click.option("--seed", type=int, help="Short for --set seed=N."),
+        click.option("--planner", help="Short for --set planner.kind=KIND."),
+    ):
+        command = decorate(command)
+    return command
+
+
+def load(
+    scenario: str,
+    overrides: tuple[str, ...],
+    goal: str | None,
+    seed: int | None,
+    planner: str | None,
+    **more: Any,
+) -> LoadedScenario:
+    """Read a scenario with its overrides; `more` are values of keys in [planner], None where not given."""
+    from sim.scenario import load_scenario
+
+    shortcuts = {"mission.goal": goal, "seed": seed, "planner.kind": planner}
+    shortcuts |= {f"planner.{name}": value for name, value in more.items()}
+    given = [f"{key}={json.dumps(value)}" for key, value in shortcuts.items() if value is not None]
+    return load_scenario(scenario, [*overrides, *given])
+
+
+def print_plan(made: Plan, abstain_below: float, *, goal_alone: bool = False) -> None:
+    """The plan, a line for each goal; and on stderr why it is not to be flown, if it is not."""
+    from sim.plan_text import plan_lines, why_not_flown
+
+    for line in plan_lines(made, goal_alone=goal_alone):
+        click.echo(line)
+    reason = why_not_flown(made, abstain_below)
+    if reason:
+        click.secho(reason, fg="red", err=True)
