@@ -8,9 +8,10 @@ Three published ideas, put together:
   curvature of the path is fed forward (Beard & McLain, section 10.2).
 - It is followed by turning the velocity through the air, not that over ground (Stastny & Siegwart, *On flying
   backwards*, 2019): the wind triangle gives the air's course that has the wanted drift over ground, and where
-  the wind leaves none, the nearest to it. So a wind as strong as the airspeed never turns the aircraft away.
-- The time of arrival is held by ground speed: what the schedule asks a little ahead, and a share of the time
-  error; the wind triangle turns it into airspeed.
+  the wind leaves none, the nearest to it. So a wind as strong as the airspeed never turns the aircraft away:
+  it faces the wind across the path at its highest airspeed, drifts by what that wind is faster, and closes in
+  again when the wind has dropped. What has become of path and schedule is said by `aircraft.watch`.
+- The time of arrival is held by ground speed, see `aircraft.schedule`.
 
 With chi the course of the path, eta the angle from it to the velocity through the air (true airspeed V), w_t
 and w_n the wind along and to the right of it, and v the ground speed along it:
@@ -31,10 +32,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from aircraft.envelope import Envelope
-from aircraft.reference import Phase, Reference, Target
+from aircraft.path import GRAVITY_MPS2
+from aircraft.reference import Phase, Reference
+from aircraft.schedule import End, Schedule
 from aircraft.state import Command, FlightState
+from aircraft.watch import Watch
 
-_GRAVITY_MPS2 = 9.80665
 _TURN_RAD = 2.0 * math.pi
 _COSINE_MIN = 0.3  # beyond 72 degrees of crab the feed-forward is no longer worth its growth
 
@@ -53,10 +56,7 @@ class Gains:
         crab_max_rad: largest angle between the path and the velocity through the air.
         bank_preview_s: how far ahead the curvature is taken.
         bank_blend_s: the flight time over which that is averaged, around there; the climb is its end's.
-        airspeed_preview_s: how far ahead the schedule's speed is taken.
         acceleration_filter_s: time constant of the measured change of airspeed.
-        time_per_s: share of ground speed added per second late.
-        time_share_max: bound of that share.
     """
 
     cross_track_per_s: float = 0.6
@@ -65,13 +65,10 @@ class Gains:
     integral_per_s2: float = 0.02
     integral_max_mps: float = 1.0
     approach_max_rad: float = math.radians(60.0)
-    crab_max_rad: float = math.radians(80.0)
+    crab_max_rad: float = math.radians(89.0)
     bank_preview_s: float = 0.45
     bank_blend_s: float = 0.4
-    airspeed_preview_s: float = 3.5
     acceleration_filter_s: float = 0.3
-    time_per_s: float = 0.2
-    time_share_max: float = 0.25
 
 
 class Progress(NamedTuple):
@@ -105,6 +102,8 @@ class Guidance:
         self.reference = reference
         self.envelope = envelope
         self.gains = gains or Gains()
+        self.schedule = Schedule(reference, envelope)
+        self.watch = Watch(envelope)
         self._path_m: float | None = None
         self._time_s = 0.0
         self._airspeed_mps = 0.0
@@ -166,8 +165,14 @@ class Guidance:
         tan_bank = self._tan_bank(
             motion, cross_m, here.curvature_radpm, curvature_ahead, state.roll_rad, step_s
         )
-        ahead = reference.target(path_m + gains.airspeed_preview_s * onward)
-        airspeed_mps = self._airspeed(ahead, time_error_s, tan_bank, wind_north_mps, wind_east_mps)
+        schedule, watch = self.schedule, self.watch
+        schedule.note_gust(state.airspeed_mps, math.hypot(self._airspeed_mps, state.down_mps), step_s)
+        airspeed_mps = schedule.airspeed_mps(
+            path_m, onward, time_error_s, tan_bank, wind_north_mps, wind_east_mps
+        )
+        watch.note_path(cross_m, motion[2], motion[3])
+        if watch.off_schedule or schedule.end is not End.NEITHER:
+            watch.note_schedule(time_error_s, schedule.end)
         climb_mps = soon.climb_mps * forward_mps / soon.speed_mps
         altitude_m = here.altitude_m
         return (
@@ -203,11 +208,11 @@ class Guidance:
         per_across = 1.0 / (cosine if cosine > _COSINE_MIN else _COSINE_MIN)
         curving = per_across * forward_mps * abs(forward_mps) / (bend if bend > 0.5 else 0.5)
         speeding = per_across * cross_wind_mps / airspeed_mps * self._acceleration_mps2
-        excess = _GRAVITY_MPS2 * math.tan(roll_rad) - curving * curvature - speeding
+        excess = GRAVITY_MPS2 * math.tan(roll_rad) - curving * curvature - speeding
         error_rad = math.remainder(math.asin(crab) - angle_rad, _TURN_RAD)
         error_rad -= gains.roll_lead_s * excess / airspeed_mps
         wanted = curving * curvature_ahead + speeding + airspeed_mps * gains.course_per_s * error_rad
-        tan_bank, steepest = wanted / _GRAVITY_MPS2, self._tan_bank_max
+        tan_bank, steepest = wanted / GRAVITY_MPS2, self._tan_bank_max
         return -steepest if tan_bank < -steepest else steepest if tan_bank > steepest else tan_bank
 
     def _note_acceleration(self, airspeed_mps: float, step_s: float) -> None:
@@ -230,32 +235,3 @@ class Guidance:
         return (
             -limit_mps if closing_mps < -limit_mps else limit_mps if closing_mps > limit_mps else closing_mps
         )
-
-    def _airspeed(
-        self,
-        ahead: Target,
-        time_error_s: float,
-        tan_bank: float,
-        wind_north_mps: float,
-        wind_east_mps: float,
-    ) -> float:
-        """The true airspeed that gives the scheduled ground speed at a point of the reference."""
-        gains, envelope = self.gains, self.envelope
-        share, most = gains.time_per_s * time_error_s, gains.time_share_max
-        share = -most if share < -most else most if share > most else share
-        speed_mps = ahead.speed_mps * (1.0 + share)
-        wanted_mps = math.hypot(
-            speed_mps * math.cos(ahead.course_rad) - wind_north_mps,
-            speed_mps * math.sin(ahead.course_rad) - wind_east_mps,
-        )
-        tan_ahead = speed_mps * speed_mps * ahead.curvature_radpm / _GRAVITY_MPS2
-        steepest, now = abs(tan_ahead), abs(tan_bank)
-        if steepest > self._tan_bank_max:
-            steepest = self._tan_bank_max
-        stall = math.sqrt(
-            math.hypot(1.0, now if now > steepest else steepest)
-        )  # lift carries 1/cos(bank) weights
-        lowest_mps, highest_mps = envelope.airspeed_min_mps * stall, envelope.airspeed_max_mps
-        if wanted_mps < lowest_mps:
-            wanted_mps = lowest_mps
-        return wanted_mps if wanted_mps < highest_mps else highest_mps

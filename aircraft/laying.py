@@ -13,10 +13,15 @@ import numpy as np
 from aircraft.corners import Corner, bulb, corner
 from aircraft.errors import PathError
 from aircraft.loiters import ARCS, Laps, fit_laps
-from aircraft.path import PathPoint, Phase, Segment, WindAt, along
+from aircraft.path import GRAVITY_MPS2, PathPoint, Phase, Segment, WindAt, along
+from aircraft.timing import Stretch, times_at_one_airspeed
 
 _SAME_PLACE_M = 1.0
 _NOTHING_M = 1e-6  # pieces shorter than this are rounding
+_LONGEST_M = 700.0  # true metres with one ground speed
+_WIDEST_RAD = math.radians(20.0)  # of turn with one ground speed
+_COURSES = 7  # on which the ground speed in a corner is looked at
+_BANK_SHARE = 0.72  # of the tangent of the highest bank, that a corner takes where all is as forecast
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,11 +32,11 @@ class Style:
     loiter_radius_m: float
     lead_in_s: float
     loiter_airspeed_mps: float
-    turn_acceleration_mps2: float
+    bank_max_rad: float
     wind_at: WindAt | None
 
     def __post_init__(self) -> None:
-        for name in ("turn_radius_m", "loiter_radius_m", "loiter_airspeed_mps", "turn_acceleration_mps2"):
+        for name in ("turn_radius_m", "loiter_radius_m", "loiter_airspeed_mps", "bank_max_rad"):
             if not 0.0 < getattr(self, name) < math.inf:
                 raise PathError(f"{name} is {getattr(self, name)}; it must be positive")
         if not 0.0 <= self.lead_in_s < math.inf:
@@ -88,7 +93,7 @@ def lay(points: Sequence[PathPoint], style: Style) -> list[Segment]:
     for i, stop in enumerate(stops):
         segments.extend(_laps(stop))
         if i < len(legs):
-            segments.extend(_stretch(stop, stops[i + 1], legs[i].length_m))
+            segments.extend(_stretch(stop, stops[i + 1], legs[i].length_m, style.wind_at))
     return [*_lead_in(stops, segments, style), *segments]
 
 
@@ -133,8 +138,7 @@ def _stop(points: Sequence[PathPoint], name: str, leg: Leg, next_leg: Leg, style
     point = points[0]
     middle_rad = course_rad + turn_rad / 2.0
     if len(points) == 1:
-        speed_mps = max(leg.speed_mps, next_leg.speed_mps)
-        radius_m = max(style.turn_radius_m, speed_mps * speed_mps / style.turn_acceleration_mps2)
+        radius_m = max(style.turn_radius_m, _banked_radius_m(point, leg, next_leg, turn_rad, style))
         shape, laps = corner(turn_rad, radius_m * point.scale, room_m), None
     else:
         widest = bulb(turn_rad, style.loiter_radius_m * point.scale, room_m)
@@ -152,6 +156,30 @@ def _stop(points: Sequence[PathPoint], name: str, leg: Leg, next_leg: Leg, style
     north_m = point.north_m + shape.cut_m * math.cos(inward_rad)
     east_m = point.east_m + shape.cut_m * math.sin(inward_rad)
     return Stop(points, shape, laps, north_m, east_m, middle_rad)
+
+
+def _banked_radius_m(point: PathPoint, leg: Leg, next_leg: Leg, turn_rad: float, style: Style) -> float:
+    """The turn that leaves bank in hand at the highest ground speed of the corner: true metres.
+
+    The speed is that of the faster airspeed of the two legs, in the wind at the waypoint and its time, on
+    that course of the turn which has most tailwind.
+    """
+    north_mps, east_mps = style.wind_at(*point[:2], point.time_s) if style.wind_at else (0.0, 0.0)
+    airspeed_mps = max(
+        math.hypot(
+            side.speed_mps * math.cos(side.course_rad) - north_mps,
+            side.speed_mps * math.sin(side.course_rad) - east_mps,
+        )
+        for side in (leg, next_leg)
+    )
+    speed_mps = max(leg.speed_mps, next_leg.speed_mps)
+    for share in np.linspace(0.0, 1.0, _COURSES).tolist():
+        course_rad = leg.course_rad + share * turn_rad
+        tail_mps = north_mps * math.cos(course_rad) + east_mps * math.sin(course_rad)
+        cross_mps = east_mps * math.cos(course_rad) - north_mps * math.sin(course_rad)
+        ahead_mps = math.sqrt(max(airspeed_mps * airspeed_mps - cross_mps * cross_mps, 0.0))
+        speed_mps = max(speed_mps, tail_mps + ahead_mps)
+    return speed_mps * speed_mps / (_BANK_SHARE * GRAVITY_MPS2 * math.tan(style.bank_max_rad))
 
 
 def _wind_after(point: PathPoint, wind_at: WindAt | None) -> Callable[[float], tuple[float, float]]:
@@ -191,44 +219,48 @@ def _laps(stop: Stop) -> list[Segment]:
     return segments
 
 
-def _stretch(start: Stop, end: Stop, leg_m: float) -> list[Segment]:
-    """From half-way round one corner to half-way round the next, at one speed over ground."""
+def _stretch(start: Stop, end: Stop, leg_m: float, wind_at: WindAt | None) -> list[Segment]:
+    """From half-way round one corner to half-way round the next."""
     straight_m = leg_m - start.corner.tangent_m - end.corner.tangent_m
     pieces = [
         *(Piece(curvature, length_m, Phase.TURN) for curvature, length_m in reversed(start.corner.arcs)),
         Piece(0.0, straight_m, Phase.LEG),
         *(Piece(curvature, length_m, Phase.TURN) for curvature, length_m in end.corner.arcs),
     ]
-    return list(_timed([piece for piece in pieces if piece.length_m > _NOTHING_M], start, end))
+    return list(_timed([piece for piece in pieces if piece.length_m > _NOTHING_M], start, end, wind_at))
 
 
-def _timed(pieces: Sequence[Piece], start: Stop, end: Stop) -> Iterable[Segment]:
-    """Spread the time and the climb between two stops evenly over the pieces between them."""
+def _timed(pieces: Sequence[Piece], start: Stop, end: Stop, wind_at: WindAt | None) -> Iterable[Segment]:
+    """Spread the climb between two stops evenly over the pieces between them, the time at one airspeed."""
     leaving, arriving = start.points[-1], end.points[0]
     scale = (leaving.scale + arriving.scale) / 2.0
-    length_m = sum(piece.length_m for piece in pieces)
+    parts = list(_parts(pieces, scale)) if wind_at else pieces
+    length_m = sum(part.length_m for part in parts)
+    places, stretches = [], []
     north_m, east_m, course_rad = start.north_m, start.east_m, start.course_rad
+    for part in parts:
+        places.append((north_m, east_m, course_rad))
+        turned_rad = part.curvature * part.length_m
+        middle = along(north_m, east_m, course_rad, part.curvature, part.length_m / 2.0)
+        stretches.append(Stretch(*middle, course_rad + turned_rad / 2.0, part.length_m / scale))
+        north_m, east_m = along(north_m, east_m, course_rad, part.curvature, part.length_m)
+        course_rad += turned_rad
+    ends_s = times_at_one_airspeed(stretches, leaving.time_s, arriving.time_s, wind_at).tolist()
     time_s, altitude_m, done_m = leaving.time_s, leaving.altitude_m, 0.0
-    for i, piece in enumerate(pieces, start=1):
-        done_m += piece.length_m
-        share = 1.0 if i == len(pieces) else done_m / length_m
-        next_time_s = leaving.time_s + share * (arriving.time_s - leaving.time_s)
-        next_altitude_m = leaving.altitude_m + share * (arriving.altitude_m - leaving.altitude_m)
-        yield Segment(
-            north_m,
-            east_m,
-            course_rad,
-            *piece[:2],
-            scale,
-            piece.phase,
-            time_s,
-            next_time_s,
-            altitude_m,
-            next_altitude_m,
-        )
-        north_m, east_m = along(north_m, east_m, course_rad, *piece[:2])
-        course_rad += piece.curvature * piece.length_m
-        time_s, altitude_m = next_time_s, next_altitude_m
+    for i, (place, part, end_s) in enumerate(zip(places, parts, ends_s, strict=True), start=1):
+        done_m += part.length_m
+        share = 1.0 if i == len(parts) else done_m / length_m
+        end_altitude_m = leaving.altitude_m + share * (arriving.altitude_m - leaving.altitude_m)
+        yield Segment(*place, *part[:2], scale, part.phase, time_s, end_s, altitude_m, end_altitude_m)
+        time_s, altitude_m = end_s, end_altitude_m
+
+
+def _parts(pieces: Sequence[Piece], scale: float) -> Iterable[Piece]:
+    """The pieces cut into equal parts, short enough that each may have one ground speed."""
+    for piece in pieces:
+        turned_rad = abs(piece.curvature) * piece.length_m
+        count = math.ceil(max(piece.length_m / scale / _LONGEST_M, turned_rad / _WIDEST_RAD) - 1e-9)
+        yield from [piece._replace(length_m=piece.length_m / count)] * count
 
 
 def _lead_in(stops: Sequence[Stop], segments: Sequence[Segment], style: Style) -> list[Segment]:

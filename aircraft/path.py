@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
+GRAVITY_MPS2 = 9.80665
+
 
 class Phase(IntEnum):
     """What a stretch of the reference is."""

@@ -77,7 +77,7 @@ class Reference:
         lead_in_s: float,
         wind_at: WindAt | None = None,
         loiter_airspeed_mps: float = 28.0,
-        turn_acceleration_mps2: float = 5.0,
+        bank_max_rad: float = math.radians(35.0),
     ) -> Reference:
         """Lay the curve through the points, and pass the point of it nearest to each at its time.
 
@@ -85,27 +85,25 @@ class Reference:
         120 degrees are bulbs through the waypoint (`corners.bulb`). Points repeated at one place are a wait:
         whole laps of a circle that begins and ends at the point, on the side that the path turns to there
         and otherwise to the right, at one airspeed in the wind (`loiters.fit_laps`). Where legs are short
-        the radii shrink until a corner takes no more than half of each leg. Between waypoints time and
-        altitude run linearly with distance. Before the first waypoint comes a straight stretch on the
-        course of the first leg, north if there is none.
+        the radii shrink until a corner takes no more than half of each leg. Between waypoints the altitude
+        runs linearly with distance, and the time at one airspeed through the wind (`timing`). Before the
+        first waypoint comes a straight stretch on the course of the first leg, north if there is none.
 
         Args:
             points: in the order flown, two or more; plane positions, times rising.
             turn_radius_m: smallest of corners, true metres.
             loiter_radius_m: largest of loiter circles, which stay within twice that of their waypoint.
             lead_in_s: duration of the stretch before the first waypoint, at the first leg's ground speed.
-            wind_at: for the times on loiter circles; still air if None.
+            wind_at: for the times and for the radii of corners; still air if None.
             loiter_airspeed_mps: true airspeed on loiter circles.
-            turn_acceleration_mps2: corners between fast legs are so much wider that this is not exceeded at
-                the speed over ground of the faster one.
+            bank_max_rad: corners are so wide that 0.72 of its tangent is enough at the highest speed over
+                ground in them, in the wind of their place and time; the rest is for gusts and lateness.
 
         Raises:
             PathError: if there are fewer than two points, times do not rise, a wait is shorter than half a
                 lap, or the wind too strong to circle in.
         """
-        style = Style(
-            turn_radius_m, loiter_radius_m, lead_in_s, loiter_airspeed_mps, turn_acceleration_mps2, wind_at
-        )
+        style = Style(turn_radius_m, loiter_radius_m, lead_in_s, loiter_airspeed_mps, bank_max_rad, wind_at)
         columns = [np.array(column) for column in zip(*lay(points, style), strict=True)]
         north, east, course, curvature, length, scale, phase, start_s, end_s, start_h, end_h = columns
         start_m = np.concatenate([[0.0], np.cumsum(length)[:-1]])

@@ -32,6 +32,7 @@ SECTIONS = {
     "planner": "planner_speed",
     "windaware": "windaware_speed",
     "peers": "peers_speed",
+    "tracking": "tracking",
     "loop": "real_time_factor",
 }
 """Name to module, in the order of the page."""

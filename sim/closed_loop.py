@@ -13,6 +13,7 @@ from aircraft.instruments import Instruments
 from aircraft.jsbsim_aircraft import JsbsimAircraft
 from aircraft.path import Phase
 from aircraft.state import FlightState
+from aircraft.watch import Path
 from planner.errors import OutsideFieldError
 from planner.windfield import WindField
 from recordings.recorder import FlightHeader, GuidanceSample, Outcome, Recorder, WeatherSheet
@@ -29,7 +30,8 @@ class FlightSetup:
     """All that one flight needs, the aircraft trimmed at the start of the reference's lead-in.
 
     `sheets`: the weather to record, rising in time. `lead_in_s`: from the start to the first waypoint.
-    `off_path_limit_m`: distance from the reference at which the flight is given up.
+    `off_path_limit_m`: distance from the reference at which the flight is given up, unless a wind above the
+    airspeed blew it there.
     """
 
     header: FlightHeader
@@ -73,7 +75,7 @@ def fly(setup: FlightSetup, recorder: Recorder, on_time: Callable[[float], objec
 
 def _loop(setup: FlightSetup, recorder: Recorder, on_time: Callable[[float], object]) -> End:
     aircraft, guide, record = setup.aircraft, setup.guidance.update, recorder.sample
-    see, shift = setup.instruments.see, setup.instruments.shift
+    see, shift, watch = setup.instruments.see, setup.instruments.shift, setup.guidance.watch
     plane_point, departure_s = setup.header.grid.frame.plane_point, setup.header.plan.departure_s
     wind = WindAhead(disturbed(setup.truth.probe(), setup.faults, departure_s), departure_s, setup.lead_in_s)
     faults, glide = AircraftFaults(setup.faults), Glide(aircraft)
@@ -96,6 +98,9 @@ def _loop(setup: FlightSetup, recorder: Recorder, on_time: Callable[[float], obj
         record(state, _new_tuple(GuidanceSample, (*progress, command)))
         if seen is not state:
             recorder.estimate(seen)
+        if watch.news:
+            for news in watch.take():
+                recorder.event(time_s, news)
         if progress.phase is not phase:
             _tell(recorder, time_s, phase, progress.phase)
             phase = progress.phase
@@ -121,7 +126,8 @@ def _end(
         return End(time_s, Outcome.CRASHED, f"hit the ground at {state.airspeed_mps:.0f} m/s")
     if progress.path_m >= end_m and _is_at_end(setup, state, end_m):
         return End(time_s, Outcome.ARRIVED, f"passed {setup.header.plan.goal}")
-    if abs(progress.cross_track_m) > setup.off_path_limit_m and not glide.cause:
+    blown_off = setup.guidance.watch.path is not Path.FOLLOWED  # by wind above its airspeed: it comes back
+    if abs(progress.cross_track_m) > setup.off_path_limit_m and not blown_off and not glide.cause:
         detail = f"{abs(progress.cross_track_m):.0f} m off the reference, limit {setup.off_path_limit_m:g} m"
         return End(time_s, Outcome.CANNOT_FOLLOW, detail)
     return None

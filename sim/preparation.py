@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -166,7 +167,7 @@ def lay_reference(
     scenario: Scenario, weather: MissionWeather, plan: Plan, aircraft: JsbsimAircraft
 ) -> Reference:
     """The flyable curve through a plan's waypoints, in the plane of the planner's grid."""
-    frame, wind = weather.forecast.grid.frame, weather.forecast.probe()
+    frame, wind = weather.forecast.grid.frame, replace(weather.forecast, hold=True).probe()
 
     def wind_at(north_m: float, east_m: float, time_s: float) -> tuple[float, float]:
         lat_rad, lon_rad = frame.to_geodetic(north_m, east_m)
@@ -187,6 +188,7 @@ def lay_reference(
         lead_in_s=scenario.flight.lead_in_s,
         wind_at=wind_at,
         loiter_airspeed_mps=aircraft.envelope.cruise_mps,
+        bank_max_rad=aircraft.envelope.bank_max_rad,
     )
 
 

@@ -52,15 +52,23 @@ class Mission(Struct, frozen=True):
         return (departure if departure.tzinfo else departure.replace(tzinfo=UTC)).timestamp()
 
 
+class Truth(Struct, frozen=True):
+    """How the wind that is flown through differs from the forecast: `speed_factor` times as strong."""
+
+    speed_factor: Positive = 1.0
+
+
 class Weather(Struct, frozen=True):
     """Where the wind comes from: a built-in storm by its HURDAT2 id, or a CF NetCDF file of one's own.
 
-    `variables`: names of the eastward and the northward wind, for a file that has several.
+    `variables`: names of the eastward and the northward wind, for a file that has several. It is the
+    forecast, and the truth too but for what `truth` says.
     """
 
     storm: str | None = None
     file: str | None = None
     variables: tuple[str, str] | None = None
+    truth: Truth = Truth()
 
 
 class GridTable(Struct, frozen=True):
@@ -135,7 +143,8 @@ class Flight(Struct, frozen=True):
     """How the flight is simulated and when it is given up.
 
     The aircraft flies a straight lead-in of `lead_in_s` before the first waypoint, on which wind and
-    turbulence are brought in. It cannot follow when it is further than `off_path_limit_m` from the reference.
+    turbulence are brought in. It cannot follow when it is further than `off_path_limit_m` from the reference,
+    unless a wind above its airspeed blew it there: then it goes on, and returns when the wind allows.
     Guidance sees the truth, or what `sensors` and estimators make of it.
     """
 

@@ -32,7 +32,7 @@ def documented(page):
         if not line.startswith("| "):
             continue
         keys, default = (cell.strip() for cell in line.split("|")[1:3])
-        if heading := re.match(r"\*\*`\[(\w+)\]`\*\*", keys):
+        if heading := re.match(r"\*\*`\[([\w.]+)\]`\*\*", keys):
             table = heading[1] + "."
             continue
         names, defaults = re.findall(r"`(\w+)`", keys), re.findall(r"`([^`]*)`", default)

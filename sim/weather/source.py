@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -62,9 +62,19 @@ def bring_weather(loaded: LoadedScenario) -> MissionWeather:
         _check_speed(truth, scenario.weather.file)
         grid = refined_grid(truth.grid, scenario.grid, scenario.weather.file)
         forecast = truth.at_altitude(scenario.mission.altitude_m).resampled(grid)
-        return MissionWeather(forecast, truth)
-    truth = _storm(scenario)
-    return MissionWeather(truth, truth)
+        return MissionWeather(forecast, _strengthened(truth, scenario.weather.truth.speed_factor))
+    forecast = _storm(scenario)
+    return MissionWeather(forecast, _strengthened(forecast, scenario.weather.truth.speed_factor))
+
+
+def _strengthened(wind: WindField, factor: float) -> WindField:
+    """The same wind, so many times as strong."""
+    if factor == 1.0:
+        return wind
+    down_mps = None if wind.down_mps is None else factor * wind.down_mps
+    return replace(
+        wind, north_mps=factor * wind.north_mps, east_mps=factor * wind.east_mps, down_mps=down_mps
+    )
 
 
 def _storm(scenario: Scenario) -> WindField:

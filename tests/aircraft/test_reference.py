@@ -64,6 +64,19 @@ def corner_radius_m(leg_m: float) -> float:
     return min(TURN_M, leg_m / 2.0 / (1.0 + math.sqrt(3.0)))
 
 
+BANKED_MPS2 = 0.72 * 9.80665 * math.tan(math.radians(35.0))
+
+
+def widest_radius_m(before: PathPoint, point: PathPoint, after: PathPoint) -> float:
+    """What a corner has at most: the bank's share, at the fastest over ground on any course at all."""
+    airspeeds = []
+    for a, b in ((before, point), (point, after)):
+        taken_s = (b.time_s - a.time_s) * a.scale
+        north_mps, east_mps = (b.north_m - a.north_m) / taken_s, (b.east_m - a.east_m) / taken_s
+        airspeeds.append(math.hypot(north_mps - WIND[0], east_mps - WIND[1]))
+    return max(TURN_M, (max(airspeeds) + math.hypot(*WIND)) ** 2 / BANKED_MPS2)
+
+
 @given(plans())
 @settings(derandomize=True, deadline=None, max_examples=120)
 def test_position_follows_course_without_a_break(points: list[PathPoint]) -> None:
@@ -128,7 +141,8 @@ def test_waypoints_are_passed_in_time_at_height_and_no_further_than_the_corner_c
                 2.0 * math.pi,
             )
             sharp = abs(turn_rad) > math.radians(120.0)
-            cut_m = 0.0 if sharp else TURN_M * (1.0 / math.cos(turn_rad / 2.0) - 1.0)
+            radius_m = widest_radius_m(before, point, after)
+            cut_m = 0.0 if sharp else radius_m * (1.0 / math.cos(turn_rad / 2.0) - 1.0)
             assert away_m <= cut_m + 1e-3
 
 
@@ -197,7 +211,7 @@ def test_a_late_flight_is_found_where_it_is(points: list[PathPoint], late_m: flo
 
 
 def test_a_right_angle_is_cut_by_its_fillet_and_passed_half_way_at_the_waypoints_time() -> None:
-    reference = lay(flat((0, 0, 0), (3600, 0, 120), (3600, 3600, 240)))
+    reference = lay(flat((0, 0, 0), (3600, 0, 120), (3600, 3600, 240)), wind=(0.0, 0.0))
     passed = reference.at(reference.waypoint_path_m[1])
     cut_m = TURN_M * (math.sqrt(2.0) - 1.0)
     assert math.dist(passed[:2], (3600.0, 0.0)) == pytest.approx(cut_m)
@@ -209,13 +223,36 @@ def test_a_right_angle_is_cut_by_its_fillet_and_passed_half_way_at_the_waypoints
 
 
 def test_corners_between_fast_legs_are_wider() -> None:
-    reference = lay(flat((0, 0, 0), (3600, 0, 120), (3600, 3600, 200)))
+    reference = lay(flat((0, 0, 0), (3600, 0, 120), (3600, 3600, 200)), wind=(0.0, 0.0))
     passed = reference.at(reference.waypoint_path_m[1])
-    assert passed.curvature_radpm * (3600.0 / 80.0) ** 2 == pytest.approx(5.0)
+    assert passed.curvature_radpm * (3600.0 / 80.0) ** 2 == pytest.approx(BANKED_MPS2)
+
+
+def test_a_corner_into_a_tailwind_is_as_wide_as_one_out_of_it() -> None:
+    points = flat((0, 0, 0), (3600, 0, 150), (3600, 3600, 233))  # 28 m/s of airspeed in 15 m/s to the east
+    into = lay(points, wind=(0.0, 15.0)).at_many(np.linspace(0.0, 9000.0, 9000))
+    fastest_mps = math.hypot(24.0, 15.0) + 15.0
+    assert np.abs(into.curvature_radpm).max() * fastest_mps**2 == pytest.approx(BANKED_MPS2, rel=0.02)
+    assert np.abs(lay(points, wind=(0.0, 0.0)).curvature).max() > np.abs(into.curvature_radpm).max()
+
+
+@given(plans())
+@settings(derandomize=True, deadline=None, max_examples=60)
+def test_between_waypoints_one_airspeed_is_asked_for(points: list[PathPoint]) -> None:
+    reference = lay(points)
+    middle = reference.at_many(reference.start_m + reference.length_m / 2.0)
+    airspeed = np.hypot(
+        middle.speed_mps * np.cos(middle.course_rad) - WIND[0],
+        middle.speed_mps * np.sin(middle.course_rad) - WIND[1],
+    )
+    for a, b in pairwise(points):
+        between = (middle.time_s > a.time_s) & (middle.time_s < b.time_s)
+        if a[:2] != b[:2] and middle.speed_mps[between].min() > 8.0:  # no slower are times laid
+            assert airspeed[between] == pytest.approx(airspeed[between].mean(), rel=1e-6)
 
 
 def test_a_reversal_passes_the_waypoint_and_comes_back_on_the_same_line() -> None:
-    reference = lay(flat((0, 0, 0), (3600, 0, 120), (0, 0, 240)))
+    reference = lay(flat((0, 0, 0), (3600, 0, 120), (0, 0, 240)), wind=(0.0, 0.0))
     turning = reference.phase == Phase.TURN
     assert math.dist(reference.at(reference.waypoint_path_m[1])[:2], (3600.0, 0.0)) < 1e-6
     assert reference.length_m[turning].sum() == pytest.approx(TURN_M * math.radians(60 + 300 + 60))

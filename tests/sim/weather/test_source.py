@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner.grid import Grid
-from sim.errors import WeatherError
+from sim.errors import ScenarioError, WeatherError
 from sim.scenario import GridTable, load_scenario
 from sim.weather.source import bring_weather, refined_grid
 
@@ -82,3 +82,17 @@ def test_a_file_up_to_the_poles_asks_for_an_area():
 def test_an_unknown_storm_is_refused():
     with pytest.raises(WeatherError, match="there are AL092022"):
         bring_weather(load_scenario("ian", ["weather.storm=AL112022"]))
+
+
+@pytest.mark.parametrize("factor", [0.8, 1.2])
+def test_a_truth_stronger_or_weaker_than_the_forecast(factor):
+    weather = bring_weather(load_scenario("ian", ["stages.count=1", f"weather.truth.speed_factor={factor}"]))
+    asked = bring_weather(load_scenario("ian", ["stages.count=1"])).forecast
+    np.testing.assert_array_equal(weather.forecast.north_mps, asked.north_mps)
+    np.testing.assert_allclose(weather.truth.north_mps, factor * asked.north_mps, rtol=1e-6)
+    np.testing.assert_allclose(weather.truth.east_mps, factor * asked.east_mps, rtol=1e-6)
+
+
+def test_a_truth_without_wind_is_refused():
+    with pytest.raises(ScenarioError, match="speed_factor"):
+        load_scenario("ian", ["weather.truth.speed_factor=0.0"])
