@@ -112,8 +112,8 @@ def main() -> None:
         print(f"{name} ...", file=sys.stderr, flush=True)
         try:
             section = measure(name)
-        except subprocess.CalledProcessError:
-            failed.append(name)
+        except subprocess.CalledProcessError as error:
+            failed.append(f"{name} (exit code {error.returncode})")
             continue
         page = PAGE.read_text(encoding="utf-8") if PAGE.exists() else ""
         PAGE.write_text(with_sections(page, {name: section}), encoding="utf-8")
