@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import count
 
@@ -17,7 +17,7 @@ from aircraft.watch import Path
 from planner.errors import OutsideFieldError
 from planner.windfield import WindField
 from recordings.recorder import FlightHeader, GuidanceSample, Outcome, Recorder, WeatherSheet
-from sim.faults import AircraftFaults, disturbed
+from sim.faults import disturbed, of_aircraft, strike
 from sim.glide import Glide
 from sim.scenario import Fault
 from sim.wind_ahead import WindAhead
@@ -29,9 +29,10 @@ _new_tuple = tuple.__new__  # makes a named tuple of a tuple in a third of the t
 class FlightSetup:
     """All that one flight needs, the aircraft trimmed at the start of the reference's lead-in.
 
-    `sheets`: the weather to record, rising in time. `lead_in_s`: from the start to the first waypoint.
-    `off_path_limit_m`: distance from the reference at which the flight is given up, unless a wind above the
-    airspeed blew it there.
+    `sheets`: the weather to record, rising in time. `sample_hz`: states recorded a second, a multiple of
+    `guidance_hz`, the rounds of guidance; between two of these its commands hold. `lead_in_s`: from the start
+    to the first waypoint. `off_path_limit_m`: distance from the reference at which the flight is given up,
+    unless a wind above the airspeed blew it there.
     """
 
     header: FlightHeader
@@ -40,6 +41,7 @@ class FlightSetup:
     instruments: Instruments
     truth: WindField
     sheets: tuple[WeatherSheet, ...]
+    sample_hz: int
     guidance_hz: int
     lead_in_s: float
     off_path_limit_m: float
@@ -75,38 +77,39 @@ def fly(setup: FlightSetup, recorder: Recorder, on_time: Callable[[float], objec
 
 def _loop(setup: FlightSetup, recorder: Recorder, on_time: Callable[[float], object]) -> End:
     aircraft, guide, record = setup.aircraft, setup.guidance.update, recorder.sample
-    see, shift, watch = setup.instruments.see, setup.instruments.shift, setup.guidance.watch
+    see, shift = setup.instruments.see, setup.instruments.shift
     plane_point, departure_s = setup.header.grid.frame.plane_point, setup.header.plan.departure_s
     wind = WindAhead(disturbed(setup.truth.probe(), setup.faults, departure_s), departure_s, setup.lead_in_s)
-    faults, glide = AircraftFaults(setup.faults), Glide(aircraft)
-    steps, round_s = round(aircraft.rate_hz / setup.guidance_hz), 1.0 / setup.guidance_hz
-    end_m = float(setup.header.reference.waypoint_path_m[-1]) - 0.1
+    faults, glide = deque(of_aircraft(setup.faults)), Glide(aircraft)
+    steps, every = round(aircraft.rate_hz / setup.sample_hz), setup.sample_hz // setup.guidance_hz
+    round_s, end_m = 1.0 / setup.sample_hz, float(setup.header.reference.waypoint_path_m[-1]) - 0.1
     sheets, phase = deque(setup.sheets), Phase.LEAD_IN
     for tick in count():
-        time_s = tick / setup.guidance_hz - setup.lead_in_s
+        time_s = tick / setup.sample_hz - setup.lead_in_s
         while sheets and sheets[0].time_s <= time_s:
             recorder.weather(sheets.popleft())
+        while faults and faults[0].time_s <= time_s:
+            recorder.event(time_s, strike(faults.popleft(), aircraft))
         state = aircraft.state()
         if not math.isfinite(sum(state)):
             return _not_finite(time_s, state)
-        for text in (*faults.strike(aircraft, time_s), *glide.watch(state)):
-            recorder.event(time_s, text)
-        seen = see(state)
-        north_m, east_m, scale = plane_point(seen.lat_rad, seen.lon_rad)
-        command, progress = guide(seen, north_m, east_m, scale, seen.wind_north_mps, seen.wind_east_mps)
-        aircraft.command(shift(command, state, seen))
-        record(state, _new_tuple(GuidanceSample, (*progress, command)))
-        if seen is not state:
-            recorder.estimate(seen)
-        if watch.news:
-            for news in watch.take():
-                recorder.event(time_s, news)
-        if progress.phase is not phase:
-            _tell(recorder, time_s, phase, progress.phase)
+        guiding = tick % every == 0
+        if guiding:
+            seen = see(state)
+            north_m, east_m, scale = plane_point(seen.lat_rad, seen.lon_rad)
+            command, progress = guide(seen, north_m, east_m, scale, seen.wind_north_mps, seen.wind_east_mps)
+            aircraft.command(shift(command, state, seen))
+            guided = _new_tuple(GuidanceSample, (*progress, command))
+        record(state, guided)
+        if guiding:
+            if seen is not state:
+                recorder.estimate(seen)
+            for text in _news(setup, glide, state, phase, progress.phase):
+                recorder.event(time_s, text)
             phase = progress.phase
-        on_time(time_s)
-        if end := _end(setup, end_m, time_s, state, progress, glide):
-            return end
+            on_time(time_s)
+            if end := _end(setup, end_m, time_s, state, progress, glide):
+                return end
         try:
             wind.fly(aircraft, state, steps, round_s)
         except OutsideFieldError as error:
@@ -145,10 +148,20 @@ def _not_finite(time_s: float, state: FlightState) -> End:
     return End(time_s, Outcome.NOT_FINITE, f"no longer finite: {', '.join(bad)}")
 
 
-def _tell(recorder: Recorder, time_s: float, before: Phase, after: Phase) -> None:
+def _news(setup: FlightSetup, glide: Glide, state: FlightState, before: Phase, after: Phase) -> list[str]:
+    """What there is to tell of this moment."""
+    news = setup.guidance.watch.take() if setup.guidance.watch.news else []
+    if glide.begins(state):
+        news.append(glide.beginning())
+    if after is not before:
+        news.extend(_news_of_phase(before, after))
+    return news
+
+
+def _news_of_phase(before: Phase, after: Phase) -> Iterator[str]:
     if before is Phase.LEAD_IN:
-        recorder.event(time_s, "departure: end of the lead-in")
+        yield "departure: end of the lead-in"
     if after is Phase.LOITER:
-        recorder.event(time_s, "loiter begins")
+        yield "loiter begins"
     elif before is Phase.LOITER:
-        recorder.event(time_s, "loiter ends")
+        yield "loiter ends"

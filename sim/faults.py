@@ -40,31 +40,19 @@ def disturbed(wind: Wind, faults: Sequence[Fault], departure_s: float) -> Wind:
     return with_steps
 
 
-class AircraftFaults:
-    """The faults of the aircraft itself, each brought about once, when its time has come."""
+def of_aircraft(faults: Sequence[Fault]) -> list[Fault]:
+    """The faults of the aircraft itself, in the order of their times."""
+    kinds = (FaultKind.ENGINE_FAILURE, FaultKind.FUEL_LOSS, FaultKind.STATE_NAN)
+    return sorted((fault for fault in faults if fault.kind in kinds), key=lambda fault: fault.time_s)
 
-    def __init__(self, faults: Sequence[Fault]) -> None:
-        mine = (FaultKind.ENGINE_FAILURE, FaultKind.FUEL_LOSS, FaultKind.STATE_NAN)
-        waiting = [fault for fault in faults if fault.kind in mine]
-        self._waiting = sorted(waiting, key=lambda fault: fault.time_s, reverse=True)
 
-    def strike(self, aircraft: JsbsimAircraft, time_s: float) -> list[str]:
-        """Bring about what is due; what that was, in words.
-
-        Args:
-            aircraft: whose engine or tanks fail.
-            time_s: since departure.
-        """
-        struck = []
-        while self._waiting and self._waiting[-1].time_s <= time_s:
-            fault = self._waiting.pop()
-            if fault.kind is FaultKind.ENGINE_FAILURE:
-                aircraft.stop_engine()
-                struck.append("fault: the engine is stopped")
-            elif fault.kind is FaultKind.FUEL_LOSS:
-                aircraft.drain_fuel(fault.fuel_kg)
-                struck.append(f"fault: the fuel is drained to {fault.fuel_kg:g} kg")
-            else:
-                aircraft.drain_fuel(math.nan)
-                struck.append("fault: the fuel's mass becomes not a number")
-        return struck
+def strike(fault: Fault, aircraft: JsbsimAircraft) -> str:
+    """Bring about a fault of the aircraft; what that was, in words."""
+    if fault.kind is FaultKind.ENGINE_FAILURE:
+        aircraft.stop_engine()
+        return "fault: the engine is stopped"
+    if fault.kind is FaultKind.FUEL_LOSS:
+        aircraft.drain_fuel(fault.fuel_kg)
+        return f"fault: the fuel is drained to {fault.fuel_kg:g} kg"
+    aircraft.drain_fuel(math.nan)
+    return "fault: the fuel's mass becomes not a number"

@@ -22,20 +22,25 @@ class Glide:
         self._begin: FlightState | None = None
         self.cause: Outcome | None = None
 
-    def watch(self, state: FlightState) -> list[str]:
-        """What there is to tell at this moment: once that the engine has stopped, else nothing."""
+    def begins(self, state: FlightState) -> bool:
+        """Whether the engine turns out to have stopped at this moment; ask a few times a second."""
         if self.cause is not None:
-            return []
+            return False
         if self._aircraft.engine_runs() or state.throttle < _ASKED_THROTTLE:
             self._begin = None
-            return []
+            return False
         if self._begin is None:
             self._begin = state
         if state.time_s - self._begin.time_s < _FAILED_AFTER_S:
-            return []
+            return False
         self.cause = Outcome.ENGINE_FAILED if state.fuel_kg > 0.0 else Outcome.FUEL_OUT
+        return True
+
+    def beginning(self) -> str:
+        """What there is to tell when it begins."""
+        assert self._begin is not None  # asked for after a cause only
         why = "the tank is empty" if self.cause is Outcome.FUEL_OUT else "the engine has stopped"
-        return [f"{why}: gliding from {state.altitude_m:.0f} m"]
+        return f"{why}: gliding from {self._begin.altitude_m:.0f} m"
 
     def story(self, state: FlightState) -> str:
         """How the glide ended, for the outcome."""

@@ -156,6 +156,7 @@ def prepare_flight(
         guidance=Guidance(reference, envelope, aircraft.folder.gains),
         truth=weather.truth,
         sheets=weather_sheets(scenario, weather),
+        sample_hz=scenario.flight.sample_hz,
         guidance_hz=scenario.flight.guidance_hz,
         lead_in_s=scenario.flight.lead_in_s,
         off_path_limit_m=scenario.flight.off_path_limit_m,

@@ -149,7 +149,8 @@ class Flight(Struct, frozen=True):
     """
 
     simulation_hz: Annotated[int, Meta(ge=30, le=480)] = 60
-    guidance_hz: Annotated[int, Meta(ge=1, le=60)] = 10
+    guidance_hz: Annotated[int, Meta(ge=1, le=60)] = 5
+    sample_hz: Annotated[int, Meta(ge=1, le=60)] = 10
     lead_in_s: Annotated[float, Meta(ge=20.0, le=600.0)] = 60.0
     off_path_limit_m: Positive = 500.0
     sensors: Literal["perfect", "gps"] = "perfect"
@@ -299,11 +300,13 @@ def _check_together(scenario: Scenario, source: str) -> None:
             f"{source}: grid.south_deg {grid.south_deg} is not south of north_deg {grid.north_deg}"
         )
     _check_objective(scenario, source)
-    if scenario.flight.simulation_hz % scenario.flight.guidance_hz:
-        raise ScenarioError(
-            f"{source}: flight.simulation_hz {scenario.flight.simulation_hz} is no multiple of "
-            f"guidance_hz {scenario.flight.guidance_hz}"
-        )
+    flight = scenario.flight
+    for fast, slow in (("simulation_hz", "sample_hz"), ("sample_hz", "guidance_hz")):
+        if getattr(flight, fast) % getattr(flight, slow):
+            raise ScenarioError(
+                f"{source}: flight.{fast} {getattr(flight, fast)} is no multiple of "
+                f"{slow} {getattr(flight, slow)}"
+            )
 
 
 def _check_objective(scenario: Scenario, source: str) -> None:
