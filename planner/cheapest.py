@@ -6,8 +6,9 @@ and to have waited since. Where nothing is gained by coming later, as in most ce
 labels of an earliest-arrival search. Within a stage prices do not change, so a wait ends only when a stage
 begins that opens a move or makes it cheaper. The order in the buckets is that of `earliest`.
 
-One label a bucket is not all that matters to the score and to waits within a stage, so the result can miss
-the optimum by a little; what it says of a way is exact up to the bend of the wind within a cell.
+One label a bucket is not all that matters, so the result can miss the optimum by a little, and even a cell
+that only an earlier, dearer arrival of the same bucket reaches before a door closes (there the earliest way
+stays). What it says of a way is exact up to the bend of the wind within a cell.
 """
 
 from __future__ import annotations
