@@ -32,6 +32,7 @@ SECTIONS = {
     "planner": "planner_speed",
     "peers": "peers_speed",
     "loop": "real_time_factor",
+    "tracking": "tracking",
 }
 """Name to module, in the order of the page."""
 

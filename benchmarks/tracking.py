@@ -2,7 +2,7 @@
 
 Figures come from the recordings alone, as `galeway check` computes them: p95 of the worst seed, and the
 largest of all. Errors are against the reference; what the reference cuts off the plan's corners is a column
-of its own. Run with `make bench`; a name or two on the command line measures only those cases.
+of its own. Run by itself, with a name or two on the command line, it measures only those cases.
 """
 
 from __future__ import annotations
@@ -280,8 +280,8 @@ def _section(cases: Sequence[Case], on_flight: Callable[[Flown], object]) -> str
     return "\n\n".join(
         [
             "p95 of the worst flight and the largest of all, against the reference, on true state, from the "
-            f"recordings; {len(SEEDS)} seeds of turbulence for each case (of `ian` the goals besides Miami "
-            "with one seed). The vortex course has 3.6 km legs with right angles between them, timed at "
+            f"recordings; {len(SEEDS)} seeds of turbulence for each case (of `ian` the goals besides Miami, "
+            "and calm air, with one seed). The vortex course has 3.6 km legs with right angles between them, timed at "
             "cruise airspeed in the forecast wind. Figures that miss their target are bold.",
             table(cases, flown),
             f"{hours:.0f} h of flight in {took_s:.0f} s on {PROCESSES} processes.",
