@@ -6,8 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from aircraft.jsbsim_aircraft import JsbsimAircraft
-from aircraft.turbulence import Turbulence
+from aircraft.description import AircraftFolder
+from aircraft.envelope import Condition
+from aircraft.errors import ModelError
+from aircraft.own_models import envelope_of
+from aircraft.trim_stand import TrimStand
 
 _AIRSPEEDS = 8
 
@@ -20,14 +23,21 @@ class Consumption:
     flow_kgps: tuple[float, ...]
 
 
-def measure_consumption(model: str, altitude_m: float) -> Consumption:
-    """Trim a model for level flight at a handful of airspeeds and read what the engine burns.
+def measure_consumption(aircraft: AircraftFolder, altitude_m: float) -> Consumption:
+    """Trim a model for level flight at a handful of airspeeds and read what its engines burn.
 
     Raises:
-        ModelError: if there is no such model, or it cannot be trimmed at this altitude.
+        ModelError: if it cannot be trimmed at this altitude.
     """
-    aircraft = JsbsimAircraft(model, turbulence=Turbulence("none", 0), seed=0)
-    envelope = aircraft.envelope
+    envelope, stand = envelope_of(aircraft), TrimStand(aircraft)
     airspeeds_mps = np.linspace(envelope.airspeed_min_mps, envelope.airspeed_max_mps, _AIRSPEEDS).tolist()
-    flows_kgps = [aircraft.level_fuel_flow_kgps(speed_mps, altitude_m) for speed_mps in airspeeds_mps]
+    flows_kgps = []
+    for airspeed_mps in airspeeds_mps:
+        trimmed = stand(Condition(airspeed_mps, altitude_m))
+        if trimmed is None:
+            raise ModelError(
+                f"{aircraft.name!r} cannot fly level at {airspeed_mps:.1f} m/s and {altitude_m:.0f} m; "
+                f"fly no higher than {envelope.ceiling_m:.0f} m"
+            )
+        flows_kgps.append(trimmed.fuel_flow_kgps)
     return Consumption(tuple(airspeeds_mps), tuple(flows_kgps))

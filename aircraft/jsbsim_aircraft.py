@@ -1,26 +1,26 @@
-"""The aircraft as JSBSim flies it: the only place where feet, pounds and JSBSim's own objects are known."""
+"""The aircraft as JSBSim flies it, in SI units: feet and pounds end here."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from pathlib import Path
+from typing import Any
 
-import jsbsim
-
-from aircraft.envelope import ENVELOPES, Envelope
+from aircraft.description import AircraftFolder, load_aircraft
+from aircraft.envelope import Envelope
 from aircraft.errors import ModelError
-from aircraft.properties import Property, check_properties
+from aircraft.jsbsim_model import JsbsimModel
+from aircraft.own_models import envelope_of
+from aircraft.properties import Property
 from aircraft.state import Command, FlightState
 from aircraft.turbulence import Turbulence
 
 __all__ = ["Envelope", "JsbsimAircraft", "Turbulence"]
 
-_MODELS = Path(__file__).parent / "models"
 _ADAMS_BASHFORTH_2 = 3.0  # the default, explicit Euler, takes the damping out of the short period at 60 Hz
 _MILSPEC = 3.0
-_FULL_TRIM = 1
 _WRECK_HEIGHT_FT = 3.0  # of the centre of gravity; whatever hits the ground first, it is no higher then
+_ENGINE_OFF = (("propulsion/magneto_cmd", 0.0), ("propulsion/cutoff_cmd", 1.0))
 _M_PER_FOOT = 0.3048
 _FEET_PER_M = 1.0 / _M_PER_FOOT
 
@@ -56,35 +56,6 @@ _STATE = (
 )
 
 
-class _Silence(jsbsim.FGLogger):
-    """Keeps JSBSim off the screen, and its complaints for an error message."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.complaints: list[str] = []
-        self._complaining = False
-
-    def set_level(self, level: jsbsim.LogLevel) -> None:
-        self._complaining = level >= jsbsim.LogLevel.WARN
-
-    def file_location(self, filename: str, line: int) -> None:
-        if self._complaining:
-            self.complaints.append(f"{Path(filename).name}:{line}: ")
-
-    def message(self, message: str) -> None:
-        if self._complaining:
-            self.complaints.append(message)
-
-    def format(self, format: jsbsim.LogFormat) -> None:  # noqa: A002  JSBSim's name
-        pass
-
-    def flush(self) -> None:
-        pass
-
-
-_silence = _Silence()  # JSBSim holds one logger for the process
-
-
 class JsbsimAircraft:
     """A model with its autopilot, stepped at a fixed rate.
 
@@ -92,17 +63,31 @@ class JsbsimAircraft:
     The same seed gives bit-identical flights.
     """
 
-    def __init__(self, model: str, *, turbulence: Turbulence, seed: int, rate_hz: float = 60.0) -> None:
+    def __init__(
+        self,
+        model: str | AircraftFolder,
+        *,
+        turbulence: Turbulence,
+        seed: int,
+        rate_hz: float = 60.0,
+        envelope: Envelope | None = None,
+    ) -> None:
         """Load the model.
 
+        Args:
+            model: a built-in name, the path of a folder, or what was read from one.
+            turbulence: how rough the air is.
+            seed: of the turbulence.
+            rate_hz: steps a second.
+            envelope: the model's, where it is known already; otherwise `envelope_of` is asked.
+
         Raises:
-            ModelError: if there is no such model, JSBSim cannot load it, or it lacks a property in use.
+            ModelError: if there is no such model, JSBSim cannot load it, it lacks a property in use, or
+                cannot fly its cruise.
         """
-        if model not in ENVELOPES:
-            known = ", ".join(sorted(ENVELOPES))
-            raise ModelError(f"there is no aircraft model {model!r}; the models are: {known}")
-        self.model = model
-        self.envelope: Envelope = ENVELOPES[model]
+        self.folder = model if isinstance(model, AircraftFolder) else load_aircraft(model)
+        self.model = self.folder.name
+        self.envelope = envelope or envelope_of(self.folder)
         self.rate_hz = rate_hz
         self._turbulence = turbulence
         self._seed = 1 + seed % (2**31 - 2)  # what JSBSim's generator tells apart
@@ -111,19 +96,8 @@ class JsbsimAircraft:
         self._load()
 
     def _load(self) -> None:
-        jsbsim.set_logger(_silence)
-        _silence.complaints.clear()
-        self._fdm = jsbsim.FGFDMExec(None)
-        self._fdm.set_debug_level(0)
-        self._fdm.set_dt(1.0 / self.rate_hz)  # before the load: filters and integrators take it from there
-        loaded = self._fdm.load_model_with_paths(
-            self.model, str(_MODELS), str(_MODELS / "engine"), str(_MODELS)
-        )
-        if not loaded or _silence.complaints:
-            reason = " ".join("".join(_silence.complaints).split()) or "no reason given"
-            raise ModelError(f"JSBSim cannot load the model {self.model!r}: {reason}")
-        root = self._fdm.get_property_manager()
-        check_properties(self.model, lambda path: root.get_node(path) is not None)
+        self._model = JsbsimModel(self.folder, self.rate_hz)
+        self._fdm = self._model.fdm
         self._bind()
 
     def _bind(self) -> None:
@@ -133,6 +107,7 @@ class JsbsimAircraft:
         self._lon_rad = self._node(Property.LONGITUDE).get_double_value
         self._altitude_ft = self._node(Property.ALTITUDE).get_double_value
         self._airspeed_fps = self._node(Property.AIRSPEED).get_double_value
+        self._engine_running = self._node(Property.ENGINE_RUNNING).get_double_value
         self._height_above_ground_ft = self._node(Property.HEIGHT_ABOVE_GROUND).get_double_value
         self._set_north_fps = self._node(Property.WIND_NORTH).set_double_value
         self._set_east_fps = self._node(Property.WIND_EAST).set_double_value
@@ -143,18 +118,16 @@ class JsbsimAircraft:
         self._set_climb_fps = self._node(Property.CLIMB_COMMAND).set_double_value
         self._read_state = _state_reader([self._node(member) for member in _STATE])
 
-    def _node(self, member: Property) -> jsbsim.FGPropertyNode:
-        node = self._fdm.get_property_manager().get_node(member.path)
-        assert node is not None  # checked at load
-        return node
+    def _node(self, member: Property) -> Any:
+        return self._model.node(member)
 
     def get(self, member: Property) -> float:
         """A property's value now, SI."""
-        return self._node(member).get_double_value() * member.to_si
+        return self._model.get(member)
 
     def set(self, member: Property, value: float) -> None:
         """Set a property, SI."""
-        self._node(member).set_double_value(value / member.to_si)
+        self._model.set(member, value)
 
     def start(
         self,
@@ -199,18 +172,13 @@ class JsbsimAircraft:
         self._steps = 0
 
     def _trim(self, airspeed_mps: float, altitude_m: float) -> None:
-        self.set(Property.AUTOPILOT_ENGAGED, 0.0)
-        self._fdm.run_ic()
-        self._fdm.get_propulsion().init_running(-1)
-        try:
-            self._fdm.do_trim(_FULL_TRIM)
-        except jsbsim.TrimFailureError as error:
+        if not self._model.trim():
             limits = self.envelope
             raise ModelError(
                 f"{self.model!r} cannot fly level at {airspeed_mps:.1f} m/s and {altitude_m:.0f} m; "
                 f"start between {limits.airspeed_min_mps:.0f} and {limits.airspeed_max_mps:.0f} m/s, "
                 f"no higher than {limits.ceiling_m:.0f} m"
-            ) from error
+            )
 
     def _engage_autopilot(self) -> None:
         """Hand over from the trimmed controls; the autopilot's feed-forward knows them well enough."""
@@ -257,21 +225,23 @@ class JsbsimAircraft:
         """Fuel left [kg]."""
         return self.get(Property.FUEL)
 
-    def level_fuel_flow_kgps(self, airspeed_mps: float, altitude_m: float) -> float:
-        """What the engine burns in trimmed level flight [kg/s], at the equator in still air.
+    def engine_runs(self) -> bool:
+        """Whether the engine runs: not when it has failed or its tanks are empty."""
+        return bool(self._engine_running() > 0.0)
 
-        Raises:
-            ModelError: if the model cannot fly level at this airspeed and altitude.
+    def stop_engine(self) -> None:
+        """Make the engine fail, for good: ignition off and fuel cut, for whatever kind it is."""
+        for path, value in _ENGINE_OFF:
+            if self._fdm.get_property_manager().get_node(path) is not None:
+                self._fdm.set_property_value(path, value)
+
+    def drain_fuel(self, left_kg: float) -> None:
+        """Leave so much fuel in all tanks together; more than there is changes nothing.
+
+        Not a number makes the aircraft's mass, and soon all of its state, not a number.
         """
-        self.start(
-            lat_rad=0.0,
-            lon_rad=0.0,
-            altitude_m=altitude_m,
-            heading_rad=0.0,
-            airspeed_mps=airspeed_mps,
-            time_s=0.0,
-        )
-        return self.get(Property.FUEL_FLOW)
+        if not left_kg >= self.fuel_kg:
+            self._model.set_fuel_share(left_kg / self._model.fuel_kg)
 
     def is_finite(self) -> bool:
         """False once a quantity has become infinite or not a number, which JSBSim does not tell."""
@@ -285,7 +255,7 @@ class JsbsimAircraft:
         return not self._height_above_ground_ft() >= _WRECK_HEIGHT_FT  # true of nan, too
 
 
-def _state_reader(nodes: list[jsbsim.FGPropertyNode]) -> Callable[[float], FlightState]:
+def _state_reader(nodes: list[Any]) -> Callable[[float], FlightState]:
     """From the time, and the nodes of `_STATE`, to the state: one expression that calls every getter.
 
     It is made of `_STATE`, as a named tuple's constructor is of its fields; a loop over getters and factors

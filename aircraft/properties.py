@@ -6,6 +6,7 @@ loaded.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from enum import Enum
 
@@ -25,6 +26,8 @@ class Property(Enum):
     START_AIRSPEED = "ic/vt-fps", "ft/s", _FOOT, "true airspeed to start with"
     START_HEADING = "ic/psi-true-rad", "rad", 1.0, "true heading to start with"
     START_CLIMB_ANGLE = "ic/gamma-rad", "rad", 1.0, "flight-path angle to start with"
+    START_BANK = "ic/phi-rad", "rad", 1.0, "bank to start with"
+    START_TERRAIN = "ic/terrain-elevation-ft", "ft", _FOOT, "height of the ground to start above"
     TERRAIN_ELEVATION = "position/terrain-elevation-asl-ft", "ft", _FOOT, "height of the ground"
     RANDOM_SEED = "simulation/randomseed", "1", 1.0, "seed of the turbulence; set once"
     RATE_INTEGRATOR = "simulation/integrator/rate/rotational", "1", 1.0, "3 is Adams-Bashforth 2"
@@ -68,7 +71,10 @@ class Property(Enum):
     ANGLE_OF_ATTACK = "aero/alpha-rad", "rad", 1.0, "angle of attack"
     SIDESLIP = "aero/beta-rad", "rad", 1.0, "sideslip, wind from the right"
     FUEL = "propulsion/total-fuel-lbs", "lb", _POUND, "fuel left"
-    FUEL_FLOW = "propulsion/engine/fuel-flow-rate-pps", "lb/s", _POUND, "what the engine burns"
+    STALL = "aero/alpha-max-rad", "rad", 1.0, "angle of attack at which the wing stalls"
+    TANK = "propulsion/tank/contents-lbs", "lb", _POUND, "fuel in the first tank"
+    FUEL_FLOW = "propulsion/engine/fuel-flow-rate-pps", "lb/s", _POUND, "what the first engine burns"
+    ENGINE_RUNNING = "propulsion/engine/set-running", "1", 1.0, "0 or 1"
 
     # controls, and what trim leaves in them
     AILERON = "fcs/aileron-servo", "1", 1.0, "aileron, right roll, of full deflection"
@@ -94,16 +100,24 @@ class Property(Enum):
         self.to_si = to_si
         self.meaning = meaning
 
+    def path_at(self, index: int) -> str:
+        """The path of the same property of another tank or engine."""
+        return re.sub(r"/(tank|engine)/", rf"/\1[{index}]/", self.path)
 
-def check_properties(model: str, exists: Callable[[str], bool]) -> None:
-    """Look every property up in a loaded model.
+
+def check_properties(
+    model: str, exists: Callable[[str], bool], path_of: Callable[[Property], str] = lambda member: member.path
+) -> None:
+    """Look every property up in a loaded model; `path_of` gives what the model calls it.
 
     Raises:
         ModelError: if the model lacks any; the message names them.
     """
-    missing = [member.path for member in Property if not exists(member.path)]
+    paths = [path_of(member) for member in Property]
+    missing = [path for path in paths if not exists(path)]
     if missing:
         raise ModelError(
             f"the model {model!r} lacks {len(missing)} of the {len(Property)} properties in use: "
-            f"{', '.join(missing)}; give it an autopilot, servos and contacts like those of 'aerosonde'"
+            f"{', '.join(missing)}; give it an autopilot and controls like those of 'aerosonde', "
+            "or name its own under [properties] (docs/aircraft.md)"
         )

@@ -42,6 +42,23 @@ class FlightState(NamedTuple):
     height_above_ground_m: float
 
 
+ESTIMATED_FIELDS = (
+    "lat_rad",
+    "lon_rad",
+    "altitude_m",
+    "north_mps",
+    "east_mps",
+    "down_mps",
+    "roll_rad",
+    "pitch_rad",
+    "heading_rad",
+    "airspeed_mps",
+    "wind_north_mps",
+    "wind_east_mps",
+)
+"""What an aircraft without perfect sensors has only estimates of."""
+
+
 class Command(NamedTuple):
     """What guidance asks of the autopilot.
 

@@ -30,7 +30,9 @@ from pathlib import Path
 
 SECTIONS = {
     "planner": "planner_speed",
+    "windaware": "windaware_speed",
     "peers": "peers_speed",
+    "tracking": "tracking",
     "loop": "real_time_factor",
     "tracking": "tracking",
 }
@@ -112,8 +114,8 @@ def main() -> None:
         print(f"{name} ...", file=sys.stderr, flush=True)
         try:
             section = measure(name)
-        except subprocess.CalledProcessError:
-            failed.append(name)
+        except subprocess.CalledProcessError as error:
+            failed.append(f"{name} (exit code {error.returncode})")
             continue
         page = PAGE.read_text(encoding="utf-8") if PAGE.exists() else ""
         PAGE.write_text(with_sections(page, {name: section}), encoding="utf-8")

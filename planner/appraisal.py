@@ -20,6 +20,7 @@ from planner.hazards import Bools
 from planner.legs import Country
 from planner.planning import PlanningRequest
 from planner.price import TIME, Price, over_way
+from planner.route import ScoreTerms
 from planner.survival import CERTAIN, probability_from_forecast
 from planner.timetable import length_m, waiting_s
 from planner.way import Cell, Leg
@@ -78,16 +79,18 @@ class Appraisal:
         return measure[objective](legs) if objective in measure else -_arrival_s(legs)
 
     def score(self, legs: Legs) -> float:
-        """Equation (2) at the arrival: D at the goal, Dbar over time, L in cells flown, T in steps."""
-        clock, arrival_s = self.request.clock, _arrival_s(legs)
+        """Equation (2) at the arrival."""
+        return self.terms(legs).total
+
+    def terms(self, legs: Legs) -> ScoreTerms:
+        """Its terms: D at the goal, Dbar over time, L in cells flown, T in steps."""
+        clock, weights, arrival_s = self.request.clock, self.request.weights, _arrival_s(legs)
         goal = legs[-1].end if legs else self.start
-        clearance = float(self.clearance[(clock.stage_at(arrival_s), *goal)])
-        weights, steps = self.request.weights, arrival_s / clock.step_s
-        return (
-            weights.alpha * clearance
-            + weights.beta * self.mean_clearance(legs)
-            - weights.gamma * length_m(self.country, legs) / self.cell_m
-            - weights.delta * steps
+        return ScoreTerms(
+            weights.alpha * float(self.clearance[(clock.stage_at(arrival_s), *goal)]),
+            weights.beta * self.mean_clearance(legs),
+            -weights.gamma * length_m(self.country, legs) / self.cell_m,
+            -weights.delta * arrival_s / clock.step_s,
         )
 
     def mean_clearance(self, legs: Legs) -> float:
@@ -111,19 +114,19 @@ class Appraisal:
     def _saved_kg(self, legs: Legs) -> float:
         return -(self.fuel_kg(legs) or 0.0)
 
-    def price(self, objective: str, legs: Legs) -> Price:
+    def price(self, objective: str, arrival_s: float, mean_clearance: float) -> Price:
         """What a search adds up for "score" or "survival".
 
         The score is no sum, but for one time of arrival it is (as in `exact`); this is its change around a
-        known way, with that way's time and mean clearance.
+        way with such a time and mean clearance.
         """
         step_s = self.request.clock.step_s
         if objective == "survival":
             per_s = _RISK_OF_A_STEP / step_s
             rate = self.risk / step_s
             return Price(per_s, 0.0, rate, _TURN_RISK, _ENOUGH_RISK, _ENOUGH_RISK_SHARE)
-        weights, steps = self.request.weights, max(_arrival_s(legs) / step_s, 1.0)
-        per_s = (weights.delta + weights.beta * self.mean_clearance(legs) / steps) / step_s
+        weights, steps = self.request.weights, max(arrival_s / step_s, 1.0)
+        per_s = (weights.delta + weights.beta * mean_clearance / steps) / step_s
         return Price(
             per_s,
             per_m=weights.gamma / self.cell_m,
@@ -132,20 +135,26 @@ class Appraisal:
             enough=_ENOUGH_SCORE,
         )
 
-    def worth_of_arrivals(self, objective: str, goal: Cell, arrivals: Arrivals, reference: Legs) -> Floats:
-        """The worth of labels at a goal, found by the price around a reference."""
+    def worth_of_arrivals(self, objective: str, goal: Cell, arrivals: Arrivals, reference_s: float) -> Floats:
+        """The worth of labels at a goal, found by the price around an arrival at the reference time."""
         if objective == "survival":
             return -arrivals.integral
         weights, clock = self.request.weights, self.request.clock
         stages = (arrivals.time_s / clock.stage_s).astype(np.intp)
         clearance = self.clearance[stages, goal[0], goal[1]]
-        reference_s = max(_arrival_s(reference), clock.step_s)
         return np.asarray(
             weights.alpha * clearance
-            - arrivals.integral * reference_s / np.maximum(arrivals.time_s, clock.step_s)
+            - self.rescaled(objective, arrivals, reference_s)
             - weights.gamma * arrivals.length_m / self.cell_m
             - weights.delta * arrivals.time_s / clock.step_s
         )
+
+    def rescaled(self, objective: str, arrivals: Arrivals, reference_s: float) -> Floats:
+        """The integrals of labels as by the prices around their own times of arrival."""
+        if objective == "survival":
+            return arrivals.integral
+        step_s = self.request.clock.step_s
+        return arrivals.integral * max(reference_s, step_s) / np.maximum(arrivals.time_s, step_s)
 
     def score_bound_s(self, goal: Cell, better_than: float) -> float:
         """The arrival after which no way's score can be above a value [s]."""

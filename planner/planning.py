@@ -38,8 +38,8 @@ class PlanningRequest:
     the room kept below the threshold around every move. The airspeeds are the aircraft's envelope.
     `forecast_error_mps`: standard deviation of the forecast's wind speed, 0 if it is taken as right;
     `abstain_below`: the least chance to survive. Only the wind-aware planner uses `cruise_mps`, the true
-    airspeed on its legs (None: in the middle of the envelope), `wait_min_s`, the shortest wait that can be
-    flown as a loiter, and `fuel_flow`, the aircraft's consumption at the altitude (for "fuel").
+    airspeed on its legs (None: in the middle of the envelope), and `wait_min_s`, the shortest wait that can
+    be flown as a loiter. `fuel_flow`: the aircraft's consumption at the altitude, which "fuel" needs.
     """
 
     start: Place

@@ -53,13 +53,13 @@ class NearestPlace:
 class GoalOutcome:
     """What the sweep found for one goal: times since departure, or the reason why there is no route.
 
-    `terms`: of the score. `fuel_kg`: what the way burns by the aircraft's measured consumption, where that
-    was given. `stages`: for the end of each stage from the departure's on. `survival`: the chance
-    that no step of the route meets hazard, where the forecast has an error, each step being an independent
-    draw, and `survival_at_most` if one draw decides all; `members_survived` of `members`: the same counted in
-    an ensemble. `abstained`: the chance lies below the level asked for, so the route is shown but not to be
-    flown. Without a route: `nearest` is the nearest reachable place, if any, and `last_door_stage` the last
-    stage in which the goal was open to one, if there was any (see planner.dead_end.DeadEnd).
+    `terms`: of the score. `fuel_kg`: burned on the way, by the aircraft's measured consumption. `stages`: for
+    the end of each stage from the departure's on. `survival`: the chance that no step of the route meets
+    hazard, where the forecast has an error, each step being an independent draw, and `survival_at_most` if
+    one draw decides all; `members_survived` of `members`: the same counted in an ensemble. `abstained`: the
+    chance lies below the level asked for, so the route is shown but not to be flown. Without a route:
+    `nearest` is the nearest reachable place, if any, and `last_door_stage` the last stage in which the goal
+    was open to one, if there was any (see planner.dead_end.DeadEnd).
     """
 
     name: str

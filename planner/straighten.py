@@ -21,7 +21,7 @@ from planner.price import TIME, Price
 from planner.way import Leg, Node
 from planner.windfield import Floats
 
-_SKIPS = np.array([1, 2, 3, 4, 6, 9, 14, 22, 32])
+_SKIPS = np.array([1, 2, 4, 7, 12, 20, 32])
 _NEXT = np.arange(1, 10)  # as far as the next corner with what lies around it
 _ROUNDING = 1e-9
 _AROUND = 2  # nodes of the way to either side of a corner that the last round tries instead of it
@@ -183,8 +183,8 @@ def _nodes_around(legs: _Legs, around: int, last: int) -> list[int]:
 
 
 def _departures(arrive_s: float, leave_s: float, stage_s: float) -> list[float]:
-    """At once, at each stage that begins until the node was left before, and then."""
+    """At once, and at each stage that begins until the node was left before: that is when legs open."""
     if not arrive_s < leave_s < np.inf:
         return [arrive_s]
-    begins = np.arange(np.floor(arrive_s / stage_s) + 1, np.ceil(leave_s / stage_s)) * stage_s
-    return [arrive_s, *begins.tolist(), leave_s]
+    begins = np.arange(np.floor(arrive_s / stage_s) + 1, np.floor(leave_s / stage_s) + 1) * stage_s
+    return [arrive_s, *begins.tolist()]

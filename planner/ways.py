@@ -15,6 +15,7 @@ import numpy as np
 
 from planner.appraisal import Appraisal
 from planner.blocked import Blocked
+from planner.cheapest import Cheapest
 from planner.cheapest import sweep as sweep_labels
 from planner.earliest import Earliest, sweep
 from planner.edges import TimedProblem
@@ -31,6 +32,7 @@ from planner.windfield import Floats
 
 _ROUNDING_MPS = 0.1
 _GUARDS_S = (0.0, 60.0, 300.0, 900.0)  # by how much to be early for closing cells, if less cannot be flown
+_ENOUGH_GAIN = 0.9  # of what the search promised; with less, straight legs give way to those between cells
 _SPEEDS = 6  # constant airspeeds to search for the thriftiest way with
 
 
@@ -129,23 +131,39 @@ class WaySearch:
             return list(ways)
         objective, appraisal = self.request.objective, self.appraisal
         reference = known.get(self.chosen) or next(iter(known.values()))
-        price = appraisal.price(objective, reference)
+        reference_s = _arrival_s(reference) or 0.0
+        price = appraisal.price(objective, reference_s, appraisal.mean_clearance(reference))
         until_s, most = self._limits(known)
         problem = self._problem(self.cruise_mps)
         found = sweep_labels(problem, price, self.start, list(known), until_s, most)
-        better = dict(known)
-        for goal, legs in known.items():
-            arrivals = found.arrivals[goal]
-            if not arrivals.label.size:
-                continue
-            worths = appraisal.worth_of_arrivals(objective, goal, arrivals, reference)
-            at = int(worths.argmax())
-            nodes = found.nodes_to(int(arrivals.label[at]), self.country.stage_s)
-            spent = price.per_s * float(arrivals.time_s[at]) + price.per_m * float(arrivals.length_m[at])
-            candidate = self._flyable(nodes, self.cruise_mps, price, spent + float(arrivals.integral[at]))
-            if candidate and appraisal.worth(objective, candidate) > appraisal.worth(objective, legs):
-                better[goal] = candidate
+        better = {goal: self._better_way(found, goal, legs, reference_s) for goal, legs in known.items()}
         return [better.get(goal, way) for goal, way in zip(self.goals, ways, strict=True)]
+
+    def _better_way(self, found: Cheapest, goal: Cell, legs: Legs, reference_s: float) -> Legs:
+        """The flyable way by the best label of a goal, if it is better than one that is known."""
+        objective, appraisal, arrivals = self.request.objective, self.appraisal, found.arrivals[goal]
+        if not arrivals.label.size:
+            return legs
+        worths = appraisal.worth_of_arrivals(objective, goal, arrivals, reference_s)
+        at, known = int(worths.argmax()), appraisal.worth(objective, legs)
+        if worths[at] <= known:
+            return legs
+        nodes = found.nodes_to(int(arrivals.label[at]), self.country.stage_s)
+        integral = float(appraisal.rescaled(objective, arrivals, reference_s)[at])
+        time_s, length_m = float(arrivals.time_s[at]), float(arrivals.length_m[at])
+        beta = self.request.weights.beta
+        price = appraisal.price(objective, time_s, -integral / beta if beta else 0.0)
+        spent = price.per_s * time_s + price.per_m * length_m + integral
+        candidates = [legs]
+        straight = self._flyable(nodes, self.cruise_mps, price, spent)
+        if straight is not None:
+            candidates.append(straight)
+        if straight is None or appraisal.worth(objective, straight) < known + _ENOUGH_GAIN * (
+            float(worths[at]) - known
+        ):
+            by_cells = self._with_flyable_waits(cell_by_cell(nodes, self.cruise_mps))
+            candidates.extend([by_cells] if by_cells is not None else [])
+        return max(candidates, key=lambda way: appraisal.worth(objective, way))
 
     def _limits(self, known: Mapping[Cell, Legs]) -> tuple[Floats, float]:
         """Until when a cell is of use for any goal, [north, east], and the risk above which no way is."""

@@ -20,6 +20,7 @@ from planner.legs import Country
 from planner.moves import Moves
 from planner.planning import Place, PlanningRequest
 from planner.plans import GoalOutcome, Plan
+from planner.survival import check_level
 from planner.timetable import cells_passed, length_m, waiting_s, waypoints
 from planner.ways import GoalWay, WaySearch
 from planner.windfield import Floats, WindField
@@ -103,6 +104,7 @@ def _check(request: PlanningRequest) -> None:
         raise PlannerError(f"no objective is named {request.objective!r}; there are {', '.join(OBJECTIVES)}")
     if request.objective == "fuel" and request.fuel_flow is None:
         raise PlannerError("the objective fuel needs the aircraft's fuel flow; give fuel_flow")
+    check_level(request.abstain_below)
     if request.objective == "survival" and not request.forecast_error_mps > 0.0:
         raise PlannerError(
             f"a forecast error of {request.forecast_error_mps} m/s leaves no risk to make small; "
@@ -115,14 +117,18 @@ def _outcome(search: WaySearch, goal: Place, found: GoalWay, clear_m: dict[int, 
     if isinstance(way, Blocked):
         return GoalOutcome(goal.name, goal.lat_deg, goal.lon_deg, reachable=False, reason=str(way))
     request, appraisal = search.request, search.appraisal
-    nearest_m = float("inf")
+    nearest_m, worst = float("inf"), 0.0
+    with_error = request.forecast_error_mps > 0.0
     for time_s, cell in [(0.0, search.start), *cells_passed(search.country, way)]:
         stage = request.clock.stage_at(time_s)
+        if with_error:
+            worst = max(worst, float(appraisal.risk[(stage, *cell)]))
         if stage not in clear_m:
             clear_m[stage] = clearance_m(appraisal.grid, search.hazard[stage])
         nearest_m = min(nearest_m, float(clear_m[stage][cell]))
     arrival_s = way[-1].arrive_s if way else 0.0
-    survival = math.exp(appraisal.log_survival(way)) if request.forecast_error_mps > 0.0 else None
+    survival = math.exp(appraisal.log_survival(way)) if with_error else None
+    terms = appraisal.terms(way)
     return GoalOutcome(
         goal.name,
         goal.lat_deg,
@@ -132,10 +138,12 @@ def _outcome(search: WaySearch, goal: Place, found: GoalWay, clear_m: dict[int, 
         arrival_s=arrival_s,
         length_m=length_m(search.country, way),
         waiting_s=waiting_s(way),
-        score=appraisal.score(way),
+        score=terms.total,
+        terms=terms,
         min_clearance_m=nearest_m if nearest_m < float("inf") else None,
         fuel_kg=appraisal.fuel_kg(way),
         survival=survival,
+        survival_at_most=math.exp(-worst) if with_error else None,
         abstained=survival is not None and survival < request.abstain_below,
     )
 

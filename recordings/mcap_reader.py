@@ -23,6 +23,8 @@ from recordings.protobuf_types import message_type
 from recordings.recorder import FlightHeader, Layer, Outcome
 from recordings.recording import Event, HazardSheet, Recording
 from recordings.schema import (
+    ESTIMATE,
+    ESTIMATE_COLUMNS,
     EVENTS,
     FORECAST_HAZARD,
     GUIDANCE,
@@ -84,6 +86,7 @@ def _recording(content: McapContent) -> Recording:
         header=header,
         state=state,
         guidance=guidance,
+        estimate=_columns(content, ESTIMATE, ESTIMATE_COLUMNS),
         hazards=tuple(hazards),
         events=tuple(_event(message, header.plan.departure_s) for message in _messages(content, EVENTS)),
         outcome=_parsed("outcome", Outcome, outcomes[-1].outcome) if outcomes else Outcome.INCOMPLETE,

@@ -18,8 +18,10 @@ from recordings.mcap_file import MESSAGE_HEAD, McapFile, fill_heads
 from recordings.poses import PoseMessages
 from recordings.protobuf_types import descriptor_set
 from recordings.recorder import FlightHeader, GuidanceSample, Layer, Outcome, WeatherSheet
-from recordings.samples import Samples
+from recordings.samples import Samples, rounded
 from recordings.schema import (
+    ESTIMATE,
+    ESTIMATE_COLUMNS,
     EVENTS,
     FORECAST_HAZARD,
     GUIDANCE,
@@ -51,6 +53,9 @@ _SAMPLE = np.dtype(
         for topic, layout in _LAYOUTS.items()
     ]
 )
+_ESTIMATE_LAYOUT = FixedLayout(ESTIMATE_COLUMNS)
+_ESTIMATE_RECORD = np.dtype([("head", MESSAGE_HEAD), ("payload", _ESTIMATE_LAYOUT.message)])
+_ESTIMATE_PLACES = [STATE_COLUMNS.index(column) for column in ESTIMATE_COLUMNS]
 _SECOND_SLACK_S = 1e-6  # times that should be whole seconds may be off by rounding
 
 
@@ -63,6 +68,7 @@ class McapRecorder:
         self._stream: BinaryIO | None = None
         self._room = SAMPLES_PER_CHUNK  # samples left to write to the chunk in progress
         self._samples = Samples()
+        self._estimates: list[FlightState] = []
 
     def begin(self, header: FlightHeader) -> None:
         """See `Recorder.begin`.
@@ -131,6 +137,10 @@ class McapRecorder:
             self._file.finish_chunk()
             self._room = SAMPLES_PER_CHUNK
 
+    def estimate(self, seen: FlightState) -> None:
+        """See `Recorder.estimate`."""
+        self._estimates.append(seen)
+
     def event(self, time_s: float, text: str) -> None:
         """See `Recorder.event`."""
         self._write_samples()
@@ -169,6 +179,7 @@ class McapRecorder:
 
     def _write_samples(self) -> None:
         """Turn the samples that wait into messages, all at once."""
+        self._write_estimates()
         count = len(self._samples)
         if not count:
             return
@@ -177,7 +188,7 @@ class McapRecorder:
         times_s = tables[STATE][:, 0]
         if not np.all(np.isfinite(times_s)):
             raise RecordingError("a sample has no finite time and cannot be recorded; look at the aircraft")
-        log_times = (np.rint(times_s * 1e9).astype(np.int64) + self._departure_ns).astype(np.uint64)
+        log_times = self._log_times(times_s)
         records, offset = np.empty(count, _SAMPLE), 0
         places: dict[int, tuple[NDArray[np.uint64], NDArray[np.uint64]]] = {}
         begins = np.arange(count, dtype=np.uint64) * np.uint64(_SAMPLE.itemsize)
@@ -189,6 +200,22 @@ class McapRecorder:
             offset += part.itemsize
         self._file.add_records(records.tobytes(), places)
         self._write_poses(tables[STATE], log_times)
+
+    def _write_estimates(self) -> None:
+        """The same for estimates; that of the last sample is still to come, and waits for the next ones."""
+        if not self._estimates:
+            return
+        table = rounded(np.array(self._estimates)[:, _ESTIMATE_PLACES], ESTIMATE_COLUMNS)
+        self._estimates = []
+        records, channel = np.empty(len(table), _ESTIMATE_RECORD), self._channels[ESTIMATE]
+        log_times = self._log_times(table[:, 0])
+        fill_heads(records["head"], channel, _ESTIMATE_LAYOUT.message.itemsize, log_times)
+        _ESTIMATE_LAYOUT.fill(records["payload"], table)
+        begins = np.arange(len(table), dtype=np.uint64) * np.uint64(_ESTIMATE_RECORD.itemsize)
+        self._file.add_records(records.tobytes(), {channel: (log_times, begins)})
+
+    def _log_times(self, times_s: NDArray[np.float64]) -> NDArray[np.uint64]:
+        return (np.rint(times_s * 1e9).astype(np.int64) + self._departure_ns).astype(np.uint64)
 
     def _write_poses(self, table: NDArray[np.float64], log_times: NDArray[np.uint64]) -> None:
         """The messages of once a second: the first sample of each."""

@@ -25,6 +25,7 @@ class Outcome(StrEnum):
     LEFT_WEATHER = "left_weather"
     CANNOT_FOLLOW = "cannot_follow"
     FUEL_OUT = "fuel_out"
+    ENGINE_FAILED = "engine_failed"
     NOT_FINITE = "not_finite"
     INTERRUPTED = "interrupted"
     INCOMPLETE = "incomplete"  # never written: what a reader says of a recording that just stops
@@ -102,6 +103,9 @@ class Recorder(Protocol):
     def sample(self, state: FlightState, guidance: GuidanceSample) -> None:
         """Write one moment."""
 
+    def estimate(self, seen: FlightState) -> None:
+        """Write what sensors and estimators made of the last sample, where they are not perfect."""
+
     def event(self, time_s: float, text: str) -> None:
         """Write one event: a stage begins, a loiter, a warning."""
 
@@ -132,6 +136,11 @@ class Recorders:
         """See `Recorder.sample`."""
         for recorder in self._recorders:
             recorder.sample(state, guidance)
+
+    def estimate(self, seen: FlightState) -> None:
+        """See `Recorder.estimate`."""
+        for recorder in self._recorders:
+            recorder.estimate(seen)
 
     def event(self, time_s: float, text: str) -> None:
         """See `Recorder.event`."""

@@ -36,14 +36,17 @@ class Recording:
     """One flight, whole or what is left of it.
 
     `state`, `guidance`: numpy structured arrays, shape (samples,), fields as in `schema.STATE_COLUMNS` and
-    `schema.GUIDANCE_COLUMNS`: `recording.state["lat_rad"]` is an array. `hazards`: by layer, in the order
-    written. `outcome`: INCOMPLETE for a recording that just stops, and then `end_time_s` is the last
-    sample's. `missing`: what an incomplete recording lacks, for people; empty if `complete`.
+    `schema.GUIDANCE_COLUMNS`: `recording.state["lat_rad"]` is an array. `estimate`: what sensors and
+    estimators made of the state, fields as in `schema.ESTIMATE_COLUMNS`, empty where they are perfect.
+    `hazards`: by layer, in the order written. `outcome`: INCOMPLETE for a recording that just stops, and then
+    `end_time_s` is the last sample's. `missing`: what an incomplete recording lacks, for people; empty if
+    `complete`.
     """
 
     header: FlightHeader
     state: NDArray[np.void]
     guidance: NDArray[np.void]
+    estimate: NDArray[np.void]
     hazards: tuple[HazardSheet, ...]
     events: tuple[Event, ...]
     outcome: Outcome

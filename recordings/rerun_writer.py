@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import zlib
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -115,6 +116,9 @@ class RerunRecorder:
         if len(self._kept) >= ROWS_PER_CHUNK:
             self._write_rows()
 
+    def estimate(self, seen: FlightState) -> None:
+        """See `Recorder.estimate`; not drawn: the eyes see the flight as it was."""
+
     def event(self, time_s: float, text: str) -> None:
         """See `Recorder.event`."""
         self._at(time_s).log("events", rr.TextLog(text, level=rr.TextLogLevel.INFO))
@@ -130,7 +134,8 @@ class RerunRecorder:
     def abandon(self) -> None:
         """See `Recorder.abandon`."""
         if self._stream is not None:
-            self._close()
+            with suppress(RecordingError):  # that it cannot be written may be why it is abandoned
+                self._close()
 
     @property
     def _started(self) -> rr.RecordingStream:
@@ -151,8 +156,14 @@ class RerunRecorder:
         self._write_rows()
         self._columns.write(self._started)
         stream, self._stream = self._started, None
-        stream.flush()
-        stream.disconnect()
+        try:
+            stream.flush()
+        except RuntimeError as error:  # what Rerun's own writer says of a full disk
+            raise RecordingError(
+                f"cannot write all of {self.partial_path}: {error}; make room for it"
+            ) from error
+        finally:
+            stream.disconnect()
 
     def _write_rows(self) -> None:
         """Write the samples kept since the last time."""

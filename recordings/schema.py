@@ -12,7 +12,7 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import NamedTuple
 
-from aircraft.state import Command, FlightState
+from aircraft.state import ESTIMATED_FIELDS, Command, FlightState
 from recordings.recorder import GuidanceSample
 
 SCHEMA_VERSION = 1
@@ -52,6 +52,13 @@ class Topic(NamedTuple):
 
 STATE = Topic("/state", "galeway.State", Rate.SAMPLE, "WGS84, north-east-down", "the aircraft, as simulated")
 GUIDANCE = Topic("/guidance", "galeway.Guidance", Rate.SAMPLE, MAP_FRAME, "what guidance saw and asked for")
+ESTIMATE = Topic(
+    "/estimate",
+    "galeway.Estimate",
+    Rate.SAMPLE,
+    "WGS84, north-east-down",
+    "what its sensors made of that, unless perfect",
+)
 REFERENCE = Topic("/reference", "galeway.Reference", Rate.ONCE, MAP_FRAME, "the flyable curve, by segments")
 PLAN = Topic("/plan", "foxglove.GeoJSON", Rate.ONCE, "WGS84", "the planned route and all goals")
 PLAN_PATH = Topic("/plan/path", "foxglove.PosesInFrame", Rate.ONCE, MAP_FRAME, "the plan's waypoints")
@@ -73,6 +80,7 @@ OUTCOME = Topic("/outcome", "galeway.Outcome", Rate.EVENT, "", "how the flight e
 TOPICS = (
     STATE,
     GUIDANCE,
+    ESTIMATE,
     REFERENCE,
     PLAN,
     PLAN_PATH,
@@ -142,3 +150,4 @@ STATE_COLUMNS = _columns(FlightState._fields)
 GUIDANCE_COLUMNS = _columns(
     ("time_s", *GuidanceSample._fields[:-1], *(f"command_{name}" for name in Command._fields))
 )
+ESTIMATE_COLUMNS = tuple(column for column in STATE_COLUMNS if column.name in {"time_s", *ESTIMATED_FIELDS})

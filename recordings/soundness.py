@@ -30,15 +30,15 @@ def require_sound(recording: Recording) -> None:
 
 
 def _require_finite(recording: Recording) -> None:
-    state = recording.state
-    for name in state.dtype.names or ():
-        bad = np.flatnonzero(~np.isfinite(state[name]))
-        if len(bad):
-            first = int(bad[0])
-            raise BadRecordingError(
-                f"{name} of sample {first} is {state[name][first]}; {len(bad)} samples are not finite, "
-                "so the flight cannot be measured"
-            )
+    for what, rows in (("sample", recording.state), ("estimate", recording.estimate)):
+        for name in rows.dtype.names or ():
+            bad = np.flatnonzero(~np.isfinite(rows[name]))
+            if len(bad):
+                first = int(bad[0])
+                raise BadRecordingError(
+                    f"{name} of {what} {first} is {rows[name][first]}; {len(bad)} {what}s are not finite, "
+                    "so the flight cannot be measured"
+                )
 
 
 def _require_rising(recording: Recording) -> None:

@@ -17,7 +17,7 @@ from aircraft.reference import Reference
 from planner.grid import geodesic_m
 from recordings import tracking_report
 from recordings.clearance import nearest_approach
-from recordings.figures import Extent, Largest, Moment, Spread, Statistics
+from recordings.figures import Extent, Largest, Moment, Places, Spread, Statistics
 from recordings.recorder import FlightHeader, Layer
 from recordings.recording import Recording
 from recordings.series import Series, measure
@@ -39,8 +39,9 @@ class Tracking:
     steady wind (without turbulence) above the threshold. `outside_airspeeds_s`: time below the lowest or
     above the highest airspeed of the aircraft's envelope, gusts included. `min_clearance_m`: to the centre of
     the nearest cell whose wind truly exceeds the threshold in that stage, None if there is none at all.
-    `corner_cut_m`: between the plan's waypoints and the reference. `worst`: where and when, by the name of a
-    statistic such as "cross_track_m.p95".
+    `corner_cut_m`: between the plan's waypoints and the reference. `position_estimate_error_m` (horizontal)
+    and `wind_estimate_error_mps`: of what the aircraft believed, where its sensors are not perfect. `worst`:
+    where and when, by the name of a statistic such as "cross_track_m.p95".
     """
 
     scenario: str
@@ -63,6 +64,8 @@ class Tracking:
     waypoints_missed: int
     corner_cut_m: Largest
     outside_airspeeds_s: float | None
+    position_estimate_error_m: Spread
+    wind_estimate_error_mps: Spread
     outcome_detail: str
     worst: Mapping[str, Moment]
     series: Series
@@ -85,6 +88,7 @@ def track(recording: Recording) -> Tracking:
     require_sound(recording)
     header, series, statistics = recording.header, measure(recording), Statistics()
     places = series.samples
+    position_error_m, wind_error_mps = _estimate_errors(recording, statistics)
     return Tracking(
         scenario=header.scenario,
         seed=header.seed,
@@ -108,6 +112,8 @@ def track(recording: Recording) -> Tracking:
         waypoints_missed=int(np.isnan(series.waypoint_time_error_s).sum()),
         corner_cut_m=statistics.largest("corner_cut_m", series.corner_cut_m, series.planned),
         outside_airspeeds_s=_outside_airspeeds_s(series, header, statistics),
+        position_estimate_error_m=position_error_m,
+        wind_estimate_error_mps=wind_error_mps,
         outcome_detail=recording.outcome_detail,
         worst=statistics.worst,
         series=series,
@@ -147,6 +153,25 @@ def _length_m(reference: Reference) -> float:
 def _flown_m(series: Series) -> float:
     lat_rad, lon_rad = series.lat_rad, series.lon_rad
     return float(np.sum(geodesic_m(lat_rad[:-1], lon_rad[:-1], lat_rad[1:], lon_rad[1:])))
+
+
+def _estimate_errors(recording: Recording, statistics: Statistics) -> tuple[Spread, Spread]:
+    """How far off the aircraft believed itself, horizontally, and the steady wind."""
+    times_s = recording.state["time_s"]
+    flight = (recording.estimate["time_s"] >= 0.0) & np.isin(recording.estimate["time_s"], times_s)
+    believed = recording.estimate[flight]
+    true = recording.state[np.searchsorted(times_s, believed["time_s"])]
+    places = Places(true["time_s"], np.degrees(true["lat_rad"]), np.degrees(true["lon_rad"]))
+    position_m = geodesic_m(true["lat_rad"], true["lon_rad"], believed["lat_rad"], believed["lon_rad"])
+    wind_mps = np.hypot(
+        believed["wind_north_mps"] - true["wind_north_mps"],
+        believed["wind_east_mps"] - true["wind_east_mps"],
+        dtype=np.float64,
+    )
+    return (
+        statistics.spread("position_estimate_error_m", position_m, places),
+        statistics.spread("wind_estimate_error_mps", wind_mps, places),
+    )
 
 
 def _exposure_s(series: Series, threshold_mps: float, statistics: Statistics) -> float | None:

@@ -55,6 +55,10 @@ def summary(tracking: Tracking) -> str:
     ]
     if tracking.waypoints_missed:
         lines.append(f"waypoints missed     {tracking.waypoints_missed}")
+    believed = [
+        f"position believed    {_spread(tracking.position_estimate_error_m, 'm')} off",
+        f"wind believed        {_spread(tracking.wind_estimate_error_mps, 'm/s')} off",
+    ]
     return "\n".join(
         [
             *lines,
@@ -63,6 +67,7 @@ def summary(tracking: Tracking) -> str:
             f"outside the envelope for {tracking.outside_airspeeds_s:.0f} s",
             f"wind                 {tracking.wind_mps.min:.1f} to {tracking.wind_mps.max:.1f} m/s",
             f"in hazardous wind    {tracking.hazard_exposure_s:.1f} s (steady wind){_clearance(tracking)}",
+            *(believed if tracking.position_estimate_error_m.mean is not None else []),
         ]
     )
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from sim.cli_aircraft import aircraft
 from sim.cli_options import BAD_INPUT, FAILED, INTERRUPTED, load, print_plan, scenario_options
 from sim.cli_plan import plan
 
@@ -50,6 +51,7 @@ def commands() -> None:
     """Plan a UAV's route through changing weather, fly it on JSBSim, and check the recording."""
 
 
+commands.add_command(aircraft)
 commands.add_command(plan)
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from itertools import count
 
 from aircraft.guidance import Guidance, Progress
+from aircraft.instruments import Instruments
 from aircraft.jsbsim_aircraft import JsbsimAircraft
 from aircraft.path import Phase
 from aircraft.state import FlightState
@@ -16,6 +17,9 @@ from aircraft.watch import Path
 from planner.errors import OutsideFieldError
 from planner.windfield import WindField
 from recordings.recorder import FlightHeader, GuidanceSample, Outcome, Recorder, WeatherSheet
+from sim.faults import AircraftFaults, disturbed
+from sim.glide import Glide
+from sim.scenario import Fault
 from sim.wind_ahead import WindAhead
 
 _new_tuple = tuple.__new__  # makes a named tuple of a tuple in a third of the time of its constructor
@@ -33,11 +37,13 @@ class FlightSetup:
     header: FlightHeader
     aircraft: JsbsimAircraft
     guidance: Guidance
+    instruments: Instruments
     truth: WindField
     sheets: tuple[WeatherSheet, ...]
     guidance_hz: int
     lead_in_s: float
     off_path_limit_m: float
+    faults: tuple[Fault, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,11 +75,10 @@ def fly(setup: FlightSetup, recorder: Recorder, on_time: Callable[[float], objec
 
 def _loop(setup: FlightSetup, recorder: Recorder, on_time: Callable[[float], object]) -> End:
     aircraft, guide, record = setup.aircraft, setup.guidance.update, recorder.sample
-    watch = setup.guidance.watch
-    plane_point, wind = (
-        setup.header.grid.frame.plane_point,
-        WindAhead(setup.truth, setup.header.plan.departure_s, setup.lead_in_s),
-    )
+    see, shift, watch = setup.instruments.see, setup.instruments.shift, setup.guidance.watch
+    plane_point, departure_s = setup.header.grid.frame.plane_point, setup.header.plan.departure_s
+    wind = WindAhead(disturbed(setup.truth.probe(), setup.faults, departure_s), departure_s, setup.lead_in_s)
+    faults, glide = AircraftFaults(setup.faults), Glide(aircraft)
     steps, round_s = round(aircraft.rate_hz / setup.guidance_hz), 1.0 / setup.guidance_hz
     end_m = float(setup.header.reference.waypoint_path_m[-1]) - 0.1
     sheets, phase = deque(setup.sheets), Phase.LEAD_IN
@@ -84,10 +89,15 @@ def _loop(setup: FlightSetup, recorder: Recorder, on_time: Callable[[float], obj
         state = aircraft.state()
         if not math.isfinite(sum(state)):
             return _not_finite(time_s, state)
-        north_m, east_m, scale = plane_point(state.lat_rad, state.lon_rad)
-        command, progress = guide(state, north_m, east_m, scale, state.wind_north_mps, state.wind_east_mps)
-        aircraft.command(command)
+        for text in (*faults.strike(aircraft, time_s), *glide.watch(state)):
+            recorder.event(time_s, text)
+        seen = see(state)
+        north_m, east_m, scale = plane_point(seen.lat_rad, seen.lon_rad)
+        command, progress = guide(seen, north_m, east_m, scale, seen.wind_north_mps, seen.wind_east_mps)
+        aircraft.command(shift(command, state, seen))
         record(state, _new_tuple(GuidanceSample, (*progress, command)))
+        if seen is not state:
+            recorder.estimate(seen)
         if watch.news:
             for news in watch.take():
                 recorder.event(time_s, news)
@@ -95,7 +105,7 @@ def _loop(setup: FlightSetup, recorder: Recorder, on_time: Callable[[float], obj
             _tell(recorder, time_s, phase, progress.phase)
             phase = progress.phase
         on_time(time_s)
-        if end := _end(setup, end_m, time_s, state, progress):
+        if end := _end(setup, end_m, time_s, state, progress, glide):
             return end
         try:
             wind.fly(aircraft, state, steps, round_s)
@@ -107,22 +117,27 @@ def _loop(setup: FlightSetup, recorder: Recorder, on_time: Callable[[float], obj
 
 
 def _end(
-    setup: FlightSetup, end_m: float, time_s: float, state: FlightState, progress: Progress
+    setup: FlightSetup, end_m: float, time_s: float, state: FlightState, progress: Progress, glide: Glide
 ) -> End | None:
-    """What ends the flight at this moment, if anything does."""
+    """What ends the flight at this moment, if anything does. Without an engine it glides to the ground."""
     if setup.aircraft.has_crashed():
+        if glide.cause:
+            return End(time_s, glide.cause, glide.story(state))
         return End(time_s, Outcome.CRASHED, f"hit the ground at {state.airspeed_mps:.0f} m/s")
-    if progress.path_m >= end_m:
+    if progress.path_m >= end_m and _is_at_end(setup, state, end_m):
         return End(time_s, Outcome.ARRIVED, f"passed {setup.header.plan.goal}")
-    if state.fuel_kg <= 0.0:
-        return End(time_s, Outcome.FUEL_OUT, "the tank is empty")
-    followed = (
-        setup.guidance.watch.path is Path.FOLLOWED
-    )  # blown off by wind above its airspeed, it comes back
-    if followed and abs(progress.cross_track_m) > setup.off_path_limit_m:
+    blown_off = setup.guidance.watch.path is not Path.FOLLOWED  # by wind above its airspeed: it comes back
+    if abs(progress.cross_track_m) > setup.off_path_limit_m and not blown_off and not glide.cause:
         detail = f"{abs(progress.cross_track_m):.0f} m off the reference, limit {setup.off_path_limit_m:g} m"
         return End(time_s, Outcome.CANNOT_FOLLOW, detail)
     return None
+
+
+def _is_at_end(setup: FlightSetup, state: FlightState, end_m: float) -> bool:
+    """Whether the last waypoint is truly passed; guidance may believe so a little earlier."""
+    north_m, east_m, _ = setup.header.grid.frame.plane_point(state.lat_rad, state.lon_rad)
+    path_m, _ = setup.header.reference.project(north_m, east_m, end_m)
+    return path_m >= end_m
 
 
 def _not_finite(time_s: float, state: FlightState) -> End:

@@ -51,7 +51,7 @@ def compare_planners(
     if picture is not None:
         check_picture(picture)
     scenario, weather = loaded.scenario, bring_weather(loaded)
-    request = planning_request(scenario, make_aircraft(scenario))
+    request = planning_request(scenario, make_aircraft(scenario, loaded.folder))
     problem = staged_problem(weather.forecast, request)
     grid = weather.forecast.grid
     truth = hazard_stages(
@@ -79,14 +79,15 @@ def compare_planners(
 
 def _windaware(wind: WindField, request: PlanningRequest) -> Peer:
     """Our planner of any course, which takes its speed from the wind; asked for one goal after the other."""
-    named = {goal.cell(wind.grid, "goal"): goal.name for goal in request.goals}
+    named = {goal.cell(wind.grid, "goal"): goal for goal in request.goals}
 
     def find(problem: StagedProblem, start: Cell, goal: Cell, *, seed: int = 0) -> PeerRoute:  # noqa: ARG001
-        plan = plan_windaware(wind, replace(request, goal=named[goal]))
+        place = named[goal]
+        alone = replace(request, goals=(place,), goal=place.name, objective="earliest")
+        plan = plan_windaware(wind, alone)
         if plan.waypoints:
             return PeerRoute(track=_track(plan, wind, problem.clock.step_s))
-        reasons = {outcome.name: outcome.reason for outcome in plan.goals}
-        return PeerRoute(reason=str(reasons[plan.goal]))
+        return PeerRoute(reason=plan.outcome.reason)
 
     return Peer(find, "galeway's wind-aware planner", True, fastest=math.inf)
 

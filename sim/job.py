@@ -82,7 +82,7 @@ def run(
     """
     scenario = loaded.scenario
     limits = parse_limits(scenario.limits)
-    aircraft = make_aircraft(scenario)
+    aircraft = make_aircraft(scenario, loaded.folder)
     weather = bring_weather(loaded)
     plan = make_plan(scenario, weather, aircraft)
     on_plan(plan)

@@ -71,7 +71,7 @@ def plan_job(loaded: LoadedScenario, departing: Departing | None, files: PlanFil
     """
     _check(loaded, departing, files)
     scenario = loaded.scenario
-    aircraft, weather = make_aircraft(scenario), bring_weather(loaded)
+    aircraft, weather = make_aircraft(scenario, loaded.folder), bring_weather(loaded)
     if departing is not None:
         found = plan_departures(
             weather.forecast,

@@ -45,8 +45,12 @@ def _goal_line(goal: GoalOutcome) -> str:
     )
     return (
         f"{_hours(goal.arrival_s)} h (earliest {_hours(goal.earliest_arrival_s)}), "
-        f"{goal.length_m / 1000.0:.0f} km{waits}{clear}{_survival(goal)}"
+        f"{goal.length_m / 1000.0:.0f} km{waits}{clear}{_fuel(goal)}{_survival(goal)}"
     )
+
+
+def _fuel(goal: GoalOutcome) -> str:
+    return "" if goal.fuel_kg is None else f", burns {goal.fuel_kg:.2f} kg"
 
 
 def _survival(goal: GoalOutcome) -> str:

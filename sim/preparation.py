@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
 from aircraft.consumption import measure_consumption
-from aircraft.envelope import Envelope
+from aircraft.description import load_aircraft
 from aircraft.guidance import Guidance
+from aircraft.instruments import GpsInstruments, Instruments, PerfectInstruments
 from aircraft.jsbsim_aircraft import JsbsimAircraft, Turbulence
 from aircraft.reference import PathPoint, Reference
+from aircraft.sensors import SensorClass, Sensors
 from planner.consumption import FuelFlow
 from planner.hazards import StageClock, hazard_stages
 from planner.planning import Place, PlanningRequest, plan_staged
@@ -26,15 +29,15 @@ from sim.scenario import LoadedScenario, PlaceTable, Scenario
 from sim.weather.source import MissionWeather
 
 
-def make_aircraft(scenario: Scenario) -> JsbsimAircraft:
-    """The scenario's aircraft, loaded but not yet started.
+def make_aircraft(scenario: Scenario, folder: Path = Path()) -> JsbsimAircraft:
+    """The scenario's aircraft, loaded but not yet started; a path to one starts from `folder`.
 
     Raises:
-        ModelError: if there is no such model.
+        ModelError: if there is no such model, or it cannot be flown.
         ScenarioError: if the mission is flown above the model's ceiling.
     """
     aircraft = JsbsimAircraft(
-        scenario.aircraft.model,
+        load_aircraft(scenario.aircraft.model, beside=folder),
         turbulence=Turbulence(scenario.turbulence.kind, scenario.turbulence.severity),
         seed=scenario.seed,
         rate_hz=scenario.flight.simulation_hz,
@@ -46,6 +49,13 @@ def make_aircraft(scenario: Scenario) -> JsbsimAircraft:
             f"{ceiling_m:.0f} m; fly lower or with another aircraft"
         )
     return aircraft
+
+
+def make_instruments(scenario: Scenario) -> Instruments:
+    """What guidance sees the flight through."""
+    if scenario.flight.sensors == "gps":
+        return GpsInstruments(Sensors(SensorClass().read_at(scenario.flight.guidance_hz), scenario.seed))
+    return PerfectInstruments()
 
 
 def make_clock(scenario: Scenario) -> StageClock:
@@ -77,14 +87,14 @@ def planning_request(scenario: Scenario, aircraft: JsbsimAircraft) -> PlanningRe
         forecast_error_mps=scenario.hazard.forecast_error_mps,
         abstain_below=table.abstain_below,
         cruise_mps=envelope.cruise_mps,
-        fuel_flow=_fuel_flow(scenario) if table.objective == "fuel" else None,
+        fuel_flow=_fuel_flow(scenario, aircraft) if table.objective == "fuel" else None,
         weights=Weights(table.alpha, table.beta, table.gamma, table.delta, table.clearance_cap_cells),
     )
 
 
-def _fuel_flow(scenario: Scenario) -> FuelFlow:
+def _fuel_flow(scenario: Scenario, aircraft: JsbsimAircraft) -> FuelFlow:
     """The aircraft's own consumption at the mission's altitude; it takes half a second to measure."""
-    measured = measure_consumption(scenario.aircraft.model, scenario.mission.altitude_m)
+    measured = measure_consumption(aircraft.folder, scenario.mission.altitude_m)
     return FuelFlow(measured.airspeed_mps, measured.flow_kgps)
 
 
@@ -113,7 +123,7 @@ def prepare_flight(
             f"mission.start and the goal {plan.goal} lie in one cell of {scenario.grid.cell_m:.0f} m, "
             "so there is nothing to fly; choose another goal or a smaller grid.cell_m"
         )
-    reference = lay_reference(scenario, weather, plan, aircraft.envelope)
+    reference = lay_reference(scenario, weather, plan, aircraft)
     start = reference.at(0.0)
     lat_rad, lon_rad = grid.frame.to_geodetic(start.north_m, start.east_m)
     envelope = aircraft.envelope
@@ -137,21 +147,25 @@ def prepare_flight(
         airspeed_min_mps=envelope.airspeed_min_mps,
         airspeed_max_mps=envelope.airspeed_max_mps,
         limits=scenario.limits,
-        versions=versions(),
+        versions=versions() | {"aircraft": f"{aircraft.model} {aircraft.folder.fingerprint()[:12]}"},
     )
     return FlightSetup(
         header=header,
         aircraft=aircraft,
-        guidance=Guidance(reference, envelope),
+        instruments=make_instruments(scenario),
+        guidance=Guidance(reference, envelope, aircraft.folder.gains),
         truth=weather.truth,
         sheets=weather_sheets(scenario, weather),
         guidance_hz=scenario.flight.guidance_hz,
         lead_in_s=scenario.flight.lead_in_s,
         off_path_limit_m=scenario.flight.off_path_limit_m,
+        faults=scenario.faults,
     )
 
 
-def lay_reference(scenario: Scenario, weather: MissionWeather, plan: Plan, envelope: Envelope) -> Reference:
+def lay_reference(
+    scenario: Scenario, weather: MissionWeather, plan: Plan, aircraft: JsbsimAircraft
+) -> Reference:
     """The flyable curve through a plan's waypoints, in the plane of the planner's grid."""
     frame, wind = weather.forecast.grid.frame, replace(weather.forecast, hold=True).probe()
 
@@ -166,14 +180,15 @@ def lay_reference(scenario: Scenario, weather: MissionWeather, plan: Plan, envel
         north_m, east_m = frame.to_plane(lat_rad, lon_rad)
         scale = frame.scale(lat_rad)
         points.append(PathPoint(north_m, east_m, waypoint.altitude_m, waypoint.time_s, scale))
+    table, turns = scenario.aircraft, aircraft.folder.description.turns
     return Reference.through(
         points,
-        turn_radius_m=scenario.aircraft.turn_radius_m,
-        loiter_radius_m=scenario.aircraft.loiter_radius_m,
+        turn_radius_m=table.turn_radius_m or turns.turn_radius_m,
+        loiter_radius_m=table.loiter_radius_m or turns.loiter_radius_m,
         lead_in_s=scenario.flight.lead_in_s,
         wind_at=wind_at,
-        loiter_airspeed_mps=envelope.cruise_mps,
-        bank_max_rad=envelope.bank_max_rad,
+        loiter_airspeed_mps=aircraft.envelope.cruise_mps,
+        bank_max_rad=aircraft.envelope.bank_max_rad,
     )
 
 

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import difflib
-import math
 import tomllib
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import msgspec
 from msgspec import Meta, Struct
 
+from aircraft.tables import TableError, convert, nearest, read_toml
 from sim.errors import ScenarioError
 
 BUILT_IN_FOLDER = Path(__file__).parent / "scenarios"
@@ -105,8 +104,8 @@ class Hazard(Struct, frozen=True):
 class PlannerTable(Struct, frozen=True):
     """Which planner, which of a goal's arrivals, and the weights of the score (equation 2 of the paper).
 
-    `staged` is the paper's; `windaware` flies legs of any course at cruise airspeed, to the earliest arrival
-    (no objective, no weights). `airspeed_margin_mps` is what the planner leaves of the aircraft's envelope at
+    `staged` is the paper's; `windaware` flies legs of any course at cruise airspeed, and
+    for fuel at others. `airspeed_margin_mps` is what the planner leaves of the aircraft's envelope at
     either end, so that the flight can make up for gusts and corners. A plan whose chance to survive lies
     below `abstain_below` is shown but not flown.
     """
@@ -123,11 +122,14 @@ class PlannerTable(Struct, frozen=True):
 
 
 class AircraftTable(Struct, frozen=True):
-    """Which aircraft, and the radii of its turns and loiter circles over ground."""
+    """Which aircraft (a built-in name, or the path of a folder), and the radii of its turns and loiters.
+
+    Radii are over ground; without them, the model's own.
+    """
 
     model: str = "aerosonde"
-    turn_radius_m: Positive = 300.0
-    loiter_radius_m: Positive = 550.0
+    turn_radius_m: Positive | None = None
+    loiter_radius_m: Positive | None = None
 
 
 class TurbulenceTable(Struct, frozen=True):
@@ -143,12 +145,40 @@ class Flight(Struct, frozen=True):
     The aircraft flies a straight lead-in of `lead_in_s` before the first waypoint, on which wind and
     turbulence are brought in. It cannot follow when it is further than `off_path_limit_m` from the reference,
     unless a wind above its airspeed blew it there: then it goes on, and returns when the wind allows.
+    Guidance sees the truth, or what `sensors` and estimators make of it.
     """
 
     simulation_hz: Annotated[int, Meta(ge=30, le=480)] = 60
     guidance_hz: Annotated[int, Meta(ge=1, le=60)] = 10
     lead_in_s: Annotated[float, Meta(ge=20.0, le=600.0)] = 60.0
     off_path_limit_m: Positive = 500.0
+    sensors: Literal["perfect", "gps"] = "perfect"
+
+
+class FaultKind(StrEnum):
+    """What can be made to go wrong in flight."""
+
+    ENGINE_FAILURE = "engine_failure"
+    FUEL_LOSS = "fuel_loss"
+    WIND_STEP = "wind_step"
+    WIND_NAN = "wind_nan"
+    STATE_NAN = "state_nan"
+
+
+class Fault(Struct, frozen=True):
+    """Something that goes wrong at a time after departure, for good.
+
+    `fuel_kg` is what a loss of fuel leaves; the rest is of a wind step: by how much the wind changes (toward)
+    within `duration_s`. The two kinds of "nan" put what is not a number into the wind or into the aircraft's
+    mass, to see the flight end in good order.
+    """
+
+    kind: FaultKind
+    time_s: NotNegative
+    fuel_kg: NotNegative = 0.0
+    north_mps: float = 0.0
+    east_mps: float = 0.0
+    duration_s: Positive = 1.0
 
 
 class Scenario(Struct, frozen=True):
@@ -167,6 +197,7 @@ class Scenario(Struct, frozen=True):
     aircraft: AircraftTable = AircraftTable()
     turbulence: TurbulenceTable = TurbulenceTable()
     flight: Flight = Flight()
+    faults: tuple[Fault, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,12 +226,9 @@ def load_scenario(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedSce
     """
     path = _find(name_or_path)
     try:
-        text = path.read_text(encoding="utf-8")
-        tables = tomllib.loads(text)
-    except (OSError, UnicodeDecodeError) as error:
-        raise ScenarioError(f"cannot read the scenario {path}: {error}") from error
-    except tomllib.TOMLDecodeError as error:
-        raise ScenarioError(f"{path} is not TOML: {error}") from error
+        tables, text = read_toml(path)
+    except TableError as error:
+        raise ScenarioError(str(error)) from error
     for override in overrides:
         _override(tables, override)
     notes = "".join(f"# --set {override}\n" for override in overrides)
@@ -213,18 +241,10 @@ def parse_scenario(tables: dict[str, Any], source: str) -> Scenario:
     Raises:
         ScenarioError: naming the key, the value or limit, and the nearest valid key if it is unknown.
     """
-    _refuse_unknown_keys(tables, msgspec.inspect.type_info(Scenario), source)
-    for key, value in _leaves(tables):
-        if isinstance(value, float) and not math.isfinite(value):
-            raise ScenarioError(f"{source}: {key} is {value}; give a finite number")
     try:
-        scenario = msgspec.convert(tables, Scenario)
-    except msgspec.ValidationError as error:
-        what, _, where = str(error).partition(" - at `$.")
-        key = where.rstrip("`")
-        given = dict(_leaves(tables)).get(key)
-        shown = f" is {given!r}" if given is not None else ""
-        raise ScenarioError(f"{source}: {key or 'the scenario'}{shown}: {what}") from error
+        scenario = convert(tables, Scenario, source)
+    except TableError as error:
+        raise ScenarioError(str(error)) from error
     _check_together(scenario, source)
     return scenario
 
@@ -236,15 +256,10 @@ def _find(name_or_path: str) -> Path:
     path = Path(name_or_path)
     if path.is_file():
         return path
-    nearest = _nearest(name_or_path, built_in_names())
     raise ScenarioError(
-        f"no scenario {name_or_path!r}: neither a file nor one of {', '.join(built_in_names())}{nearest}"
+        f"no scenario {name_or_path!r}: neither a file nor one of {', '.join(built_in_names())}"
+        f"{nearest(name_or_path, built_in_names())}"
     )
-
-
-def _nearest(word: str, known: Sequence[str]) -> str:
-    match = difflib.get_close_matches(word, known, n=1, cutoff=0.5)
-    return f"; did you mean {match[0]!r}?" if match else ""
 
 
 def _override(tables: dict[str, Any], override: str) -> None:
@@ -263,31 +278,6 @@ def _override(tables: dict[str, Any], override: str) -> None:
     tables[last] = value
 
 
-def _refuse_unknown_keys(value: Any, info: Any, source: str, where: str = "") -> None:
-    if isinstance(info, msgspec.inspect.StructType) and isinstance(value, dict):
-        fields = {field.encode_name: field.type for field in info.fields}
-        for key, inner in value.items():
-            if key not in fields:
-                remedy = _nearest(key, list(fields)) or f"; the keys are {', '.join(fields)}"
-                raise ScenarioError(f"{source}: unknown key {where + key!r}{remedy}")
-            _refuse_unknown_keys(inner, fields[key], source, f"{where}{key}.")
-    elif isinstance(info, msgspec.inspect.VarTupleType) and isinstance(value, list):
-        for inner in value:
-            _refuse_unknown_keys(inner, info.item_type, source, where)
-
-
-def _leaves(value: Any, where: str = "") -> Iterator[tuple[str, Any]]:
-    """Every plain value with its path, written as msgspec writes it."""
-    if isinstance(value, dict):
-        for key, inner in value.items():
-            yield from _leaves(inner, f"{where}.{key}" if where else key)
-    elif isinstance(value, list):
-        for inner in value:
-            yield from _leaves(inner, f"{where}[...]")
-    else:
-        yield where, value
-
-
 def _check_together(scenario: Scenario, source: str) -> None:
     """What no key can be checked for alone."""
     mission, grid, weather = scenario.mission, scenario.grid, scenario.weather
@@ -295,7 +285,7 @@ def _check_together(scenario: Scenario, source: str) -> None:
     if mission.goal not in names:
         raise ScenarioError(
             f"{source}: mission.goal {mission.goal!r} is not among the goals {', '.join(names)}"
-            f"{_nearest(mission.goal, names)}"
+            f"{nearest(mission.goal, names)}"
         )
     if len(set(names)) < len(names):
         raise ScenarioError(f"{source}: two of mission.goals have one name; name each once")

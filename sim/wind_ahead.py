@@ -6,7 +6,7 @@ import math
 
 from aircraft.jsbsim_aircraft import JsbsimAircraft
 from aircraft.state import FlightState
-from planner.windfield import WindField
+from sim.faults import Wind
 
 WIND_RAMP_S = 20.0
 """The wind is brought in over so long, in the lead-in: the aircraft is trimmed in still air."""
@@ -27,8 +27,8 @@ class WindAhead:
     not smoothed either: it rises within the rounds in which the field says so.
     """
 
-    def __init__(self, truth: WindField, departure_s: float, lead_in_s: float) -> None:
-        self._probe = truth.probe()
+    def __init__(self, truth: Wind, departure_s: float, lead_in_s: float) -> None:
+        self._probe = truth
         self._departure_s = departure_s
         self._lead_in_s = lead_in_s
         self._last = 0.0, 0.0, 0.0

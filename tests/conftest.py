@@ -1,11 +1,22 @@
 """Fixtures for every test."""
 
 import os
+import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
+
+from aircraft.description import BUILT_IN
+
+
+def pytest_configure(config):
+    """Measured envelopes are kept for this run only, for the commands that tests start, too."""
+    kept = tempfile.TemporaryDirectory(prefix="galeway-")
+    os.environ["GALEWAY_CACHE"] = kept.name
+    config.add_cleanup(kept.cleanup)
 
 
 @pytest.fixture(scope="session")
@@ -37,3 +48,19 @@ def galeway(command):
         )
 
     return run
+
+
+@pytest.fixture
+def own(tmp_path):
+    """Makes `mine`, a copy of the Aerosonde's folder with one change: (file, old, new) -> its path."""
+
+    def made(file: str = "", old: str = "", new: str = "") -> Path:
+        folder = tmp_path / "mine"
+        shutil.copytree(BUILT_IN / "aerosonde", folder)
+        if file:
+            text = (folder / file).read_text()
+            assert old in text
+            (folder / file).write_text(text.replace(old, new))
+        return folder
+
+    return made

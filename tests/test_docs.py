@@ -8,6 +8,7 @@ import msgspec
 import numpy as np
 import pytest
 
+from aircraft.description import Description
 from recordings.limits import figure_kinds
 from sim.cli import main
 from sim.scenario import Scenario
@@ -24,10 +25,10 @@ def fields(info, where=""):
             yield f"{where}{field.encode_name}", field.default
 
 
-def documented():
-    """Key to default, as the tables of docs/scenario.md give them."""
+def documented(page):
+    """Key to default, as the tables of a page of docs/ give them."""
     table, found = "", {}
-    for line in (ROOT / "docs" / "scenario.md").read_text(encoding="utf-8").splitlines():
+    for line in (ROOT / "docs" / page).read_text(encoding="utf-8").splitlines():
         if not line.startswith("| "):
             continue
         keys, default = (cell.strip() for cell in line.split("|")[1:3])
@@ -41,8 +42,19 @@ def documented():
 
 
 def test_the_scenario_page_lists_every_key_with_its_default():
-    found = documented()
-    actual = dict(fields(msgspec.inspect.type_info(Scenario)))
+    check_defaults(documented("scenario.md"), dict(fields(msgspec.inspect.type_info(Scenario))))
+
+
+def test_the_aircraft_page_lists_every_key_with_its_default():
+    text = (ROOT / "docs" / "aircraft.md").read_text(encoding="utf-8")
+    actual = dict(fields(msgspec.inspect.type_info(Description)))
+    gains = [key for key in actual if key.startswith(("gains.", "properties"))]
+    assert "Gains" in text
+    found = {key: default for key, default in documented("aircraft.md").items() if key in actual}
+    check_defaults(found, {key: default for key, default in actual.items() if key not in gains})
+
+
+def check_defaults(found, actual):
     assert set(found) == set(actual)
     for key, default in actual.items():
         if default is msgspec.NODEFAULT or default is None:

@@ -26,11 +26,16 @@ def test_the_wheel_holds_the_four_packages_with_their_data(tmp_path):
     assert {f"{package}/py.typed" for package in ("sim", "planner", "aircraft", "recordings")} <= names
     shipped = {
         str(path.relative_to(ROOT))
-        for pattern in ("aircraft/models/**/*.xml", "sim/scenarios/*.toml", "*/[a-z]*.py")
+        for pattern in (
+            "aircraft/models/**/*.xml",
+            "aircraft/models/**/*.toml",
+            "sim/scenarios/*.toml",
+            "*/[a-z]*.py",
+        )
         for path in ROOT.glob(pattern)
         if path.parts[len(ROOT.parts)] in ("sim", "planner", "aircraft", "recordings")
     }
     assert any(name.endswith("aerosonde.xml") for name in shipped)
-    assert "sim/scenarios/ian.toml" in shipped
+    assert {"sim/scenarios/ian.toml", "aircraft/models/c172p/aircraft.toml"} <= shipped
     assert shipped <= names
     assert not [name for name in names if name.endswith((".mcap", ".rrd", ".pyc"))]

@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 
 from aircraft.consumption import measure_consumption
+from aircraft.description import load_aircraft
 from aircraft.errors import ModelError
 from aircraft.jsbsim_aircraft import JsbsimAircraft, Turbulence
 
 
 def test_it_is_what_the_tank_loses_in_level_flight():
-    measured = measure_consumption("aerosonde", 1000.0)
+    measured = measure_consumption(load_aircraft("aerosonde"), 1000.0)
     aircraft = JsbsimAircraft("aerosonde", turbulence=Turbulence("none", 0), seed=1)
     assert measured.airspeed_mps[0] == aircraft.envelope.airspeed_min_mps
     assert measured.airspeed_mps[-1] == aircraft.envelope.airspeed_max_mps
@@ -33,11 +34,15 @@ def test_it_is_what_the_tank_loses_in_level_flight():
 
 
 def test_it_rises_with_airspeed_and_changes_with_altitude():
-    low, high = (measure_consumption("aerosonde", altitude_m) for altitude_m in (200.0, 1800.0))
+    low, high = (
+        measure_consumption(load_aircraft("aerosonde"), altitude_m) for altitude_m in (200.0, 1800.0)
+    )
     assert (np.diff(low.flow_kgps) > 0.0).all()
     assert low.flow_kgps[-1] > high.flow_kgps[-1]
 
 
-def test_unknown_models_are_refused():
-    with pytest.raises(ModelError, match="'balloon'"):
-        measure_consumption("balloon", 1000.0)
+def test_an_altitude_out_of_reach_is_refused():
+    with pytest.raises(
+        ModelError, match=r"'aerosonde' cannot fly level at .* 12000 m; fly no higher than 2000 m"
+    ):
+        measure_consumption(load_aircraft("aerosonde"), 12000.0)

@@ -21,7 +21,7 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike
 
-import aircraft.jsbsim_aircraft as module
+import aircraft.description as module
 from aircraft.jsbsim_aircraft import JsbsimAircraft
 from aircraft.turbulence import Turbulence
 
@@ -107,14 +107,14 @@ def modes() -> dict[float, Modes]:
 
 def test_the_published_modes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     models = tmp_path / "models"
-    shutil.copytree(module._MODELS, models)
+    shutil.copytree(module.BUILT_IN, models)
     xml = models / "aerosonde" / "aerosonde.xml"
     text = xml.read_text()
     for ours, theirs in OUR_DEPARTURES.items():
         assert text.count(ours) == 1
         text = text.replace(ours, theirs)
     xml.write_text(text)
-    monkeypatch.setattr(module, "_MODELS", models)
+    monkeypatch.setattr(module, "BUILT_IN", models)
 
     aircraft = trimmed(25.0, altitude_m=100.0, warmer_k=-12.7)
     density_kgpm3 = aircraft._fdm["atmosphere/rho-slugs_ft3"] * 515.379

@@ -5,13 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from aircraft.envelope import ENVELOPES
+from aircraft.description import load_aircraft
 from aircraft.errors import ModelError
 from aircraft.jsbsim_aircraft import JsbsimAircraft
+from aircraft.own_models import envelope_of
 from aircraft.state import Command
 from aircraft.turbulence import Turbulence
 
-ENVELOPE = ENVELOPES["aerosonde"]
+ENVELOPE = envelope_of(load_aircraft("aerosonde"))
 MASS_KG, WING_M2, GRAVITY_MPS2 = 11.0, 0.55, 9.80
 FULL_ELEVATOR_RAD = math.radians(30.0)
 
@@ -68,7 +69,7 @@ def test_fuel_lasts_twenty_hours_of_cruise() -> None:
     assert full_kg / burnt_kgph > 25.0
 
 
-@pytest.mark.parametrize("altitude_m", [300.0, ENVELOPE.ceiling_m - 60.0])
+@pytest.mark.parametrize("altitude_m", [300.0, ENVELOPE.ceiling_m - 20.0 * ENVELOPE.climb_max_mps])
 def test_climb_of_the_envelope(altitude_m: float) -> None:
     aircraft = trimmed(ENVELOPE.cruise_mps, altitude_m)
     for i in range(1, 20 * 60 + 1):
@@ -77,7 +78,7 @@ def test_climb_of_the_envelope(altitude_m: float) -> None:
             aircraft.command(Command(0.0, ENVELOPE.cruise_mps, wanted_m, ENVELOPE.climb_max_mps))
         aircraft.step()
     state = aircraft.state()
-    assert state.altitude_m == pytest.approx(altitude_m + 60.0, abs=1.0)
+    assert state.altitude_m == pytest.approx(altitude_m + 20.0 * ENVELOPE.climb_max_mps, abs=1.0)
     assert state.airspeed_mps == pytest.approx(ENVELOPE.cruise_mps, abs=0.5)
     assert state.throttle < 0.95
 

@@ -8,12 +8,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from aircraft.envelope import ENVELOPES
 from aircraft.jsbsim_aircraft import JsbsimAircraft
 from aircraft.state import Command, FlightState
 from aircraft.turbulence import Turbulence
 
-ENVELOPE = ENVELOPES["aerosonde"]
 WEIGHT_N, WING_M2, LIFT_MAX = 11.0 * 9.80, 0.55, 1.5
 DENSITY_KGPM3 = 1.112  # of the standard atmosphere at 1000 m
 STALL_MPS = math.sqrt(2.0 * WEIGHT_N / (DENSITY_KGPM3 * WING_M2 * LIFT_MAX))  # 15.3, at 11 kg

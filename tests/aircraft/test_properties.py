@@ -5,8 +5,23 @@ import pytest
 from aircraft.errors import ModelError
 from aircraft.properties import Property, check_properties
 
-FACTORS = {"1": 1.0, "rad": 1.0, "rad/s": 1.0, "ft": 0.3048, "ft/s": 0.3048, "lb": 0.45359237}
-SUFFIXES = {"ft": ("-ft",), "ft/s": ("-fps",), "rad": ("-rad",), "rad/s": ("-rad_sec",), "lb": ("-lbs",)}
+FACTORS = {
+    "1": 1.0,
+    "rad": 1.0,
+    "rad/s": 1.0,
+    "ft": 0.3048,
+    "ft/s": 0.3048,
+    "lb": 0.45359237,
+    "lb/s": 0.45359237,
+}
+SUFFIXES = {
+    "ft": ("-ft",),
+    "ft/s": ("-fps",),
+    "rad": ("-rad",),
+    "rad/s": ("-rad_sec",),
+    "lb": ("-lbs",),
+    "lb/s": ("-pps",),
+}
 
 
 @pytest.mark.parametrize("member", Property)

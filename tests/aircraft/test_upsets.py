@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-import aircraft.jsbsim_aircraft as module
+import aircraft.description as module
 from aircraft.jsbsim_aircraft import JsbsimAircraft
 from aircraft.state import Command, FlightState
 from aircraft.turbulence import Turbulence
@@ -21,12 +21,12 @@ ALTITUDE_M = 1000.0
 def mass_kg(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> float:
     """The mass with full tank; the model is made so heavy."""
     models = tmp_path / "models"
-    shutil.copytree(module._MODELS, models)
+    shutil.copytree(module.BUILT_IN, models)
     xml = models / "aerosonde" / "aerosonde.xml"
     text, empty = xml.read_text(), '<emptywt unit="KG"> 6.0 '
     assert empty in text
     xml.write_text(text.replace(empty, f'<emptywt unit="KG"> {request.param - 5.0} '))
-    monkeypatch.setattr(module, "_MODELS", models)
+    monkeypatch.setattr(module, "BUILT_IN", models)
     return float(request.param)
 
 

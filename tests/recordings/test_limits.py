@@ -44,6 +44,17 @@ TIGHT = (
     "waypoints_missed == 0",
     "corner_cut_m.max <= 100",
     "outside_airspeeds_s == 0",
+    "position_estimate_error_m.mean <= 1.6",
+    "position_estimate_error_m.p95 <= 1.6",
+    "position_estimate_error_m.max <= 1.6",
+    "wind_estimate_error_mps.mean <= 0.6",
+    "wind_estimate_error_mps.p95 <= 0.6",
+    "wind_estimate_error_mps.max <= 0.6",
+)
+
+POSITION_ESTIMATE, WIND_ESTIMATE = (
+    {f"{figure}.{part}" for part in ("mean", "p95", "max")}
+    for figure in ("position_estimate_error_m", "wind_estimate_error_mps")
 )
 
 
@@ -62,6 +73,7 @@ def broken_flights(workshop):
         )
     )
     plan = header.plan
+    lost = [seen._replace(lat_rad=seen.lat_rad + 1e-6, wind_east_mps=-5.0) for seen in clean.seen]
     return {
         "scenario": (replace(clean, header=replace(header, scenario="calm")), {"scenario"}),
         "seed": (replace(clean, header=replace(header, seed=8)), {"seed"}),
@@ -101,7 +113,9 @@ def broken_flights(workshop):
             {"airspeed_mps.min", "airspeed_mps.mean", "outside_airspeeds_s"},
         ),
         "fast": (replace(clean, states=fast), {"airspeed_mps.max"}),
-        "calm": (replace(clean, states=calm), {"wind_mps.min"}),
+        "calm": (replace(clean, states=calm), {"wind_mps.min"} | WIND_ESTIMATE),
+        "lost": (replace(clean, seen=lost), POSITION_ESTIMATE | WIND_ESTIMATE),
+        "perfect sensors": (replace(clean, seen=[]), POSITION_ESTIMATE | WIND_ESTIMATE),
         "gale": (
             workshop.fly(header, wind_mps=lambda time_s: 15.1 if time_s > 200.0 else 6.0),
             {"wind_mps.mean", "wind_mps.max", "hazard_exposure_s"},

@@ -84,6 +84,15 @@ def test_what_is_read_is_what_was_written(workshop, flight):
     assert recording.limits == flight.header.limits
 
 
+def test_estimates_are_read_back(workshop, flight):
+    found = workshop.recording(flight).estimate
+    assert found["time_s"].tolist() == [state.time_s for state in flight.seen]
+    assert found["lat_rad"].tolist() == [state.lat_rad for state in flight.seen]
+    wind_mps = np.array([state.wind_north_mps for state in flight.seen], dtype=np.float32)
+    assert np.array_equal(found["wind_north_mps"], wind_mps)
+    assert len(workshop.recording(replace(flight, seen=[])).estimate) == 0
+
+
 def test_hazards_are_read_back_bit_by_bit(workshop):
     hazard = np.random.default_rng(5).random(workshop.grid.shape) < 0.3
     flight = workshop.fly(workshop.header(workshop.straight), sheets=workshop.sheets(hazard))

@@ -11,7 +11,17 @@ from google.protobuf.descriptor import FieldDescriptor
 from aircraft.reference import Reference
 from aircraft.state import FlightState
 from recordings.protobuf_types import message_type
-from recordings.schema import GUIDANCE, GUIDANCE_COLUMNS, REFERENCE, STATE, STATE_COLUMNS, TOPICS, Kind
+from recordings.schema import (
+    ESTIMATE,
+    ESTIMATE_COLUMNS,
+    GUIDANCE,
+    GUIDANCE_COLUMNS,
+    REFERENCE,
+    STATE,
+    STATE_COLUMNS,
+    TOPICS,
+    Kind,
+)
 
 ROOT = Path(__file__).parents[2]
 KINDS = {
@@ -21,7 +31,10 @@ KINDS = {
 }
 
 
-@pytest.mark.parametrize(("topic", "columns"), [(STATE, STATE_COLUMNS), (GUIDANCE, GUIDANCE_COLUMNS)])
+@pytest.mark.parametrize(
+    ("topic", "columns"),
+    [(STATE, STATE_COLUMNS), (GUIDANCE, GUIDANCE_COLUMNS), (ESTIMATE, ESTIMATE_COLUMNS)],
+)
 def test_columns_are_the_fields_of_the_message_in_order(topic, columns):
     found = [(f.name, f.number, KINDS[f.type]) for f in message_type(topic.message).DESCRIPTOR.fields]
     assert found == [(column.name, number, column.kind) for number, column in enumerate(columns, 1)]

@@ -39,6 +39,8 @@ def test_keys_come_in_their_order(report):
         "waypoints_missed",
         "corner_cut_m",
         "outside_airspeeds_s",
+        "position_estimate_error_m",
+        "wind_estimate_error_mps",
         "real_time_factor",
     ]
     assert list(content["cross_track_m"]) == ["mean", "p95", "max"]
@@ -74,6 +76,8 @@ def test_the_summary_of_a_flight(report):
         "wind                 6.0 to 6.0 m/s",
         "in hazardous wind    0.0 s (steady wind), nearest hazardous cell "
         f"{report.min_clearance_m / 1000.0:.1f} km",
+        "position believed    1.51 m mean, 1.51 p95, 1.51 max off",
+        "wind believed        0.50 m/s mean, 0.50 p95, 0.50 max off",
     ]
 
 

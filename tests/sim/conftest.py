@@ -16,7 +16,7 @@ class Kept:
 
     def __init__(self):
         self.header = self.end = None
-        self.sheets, self.samples, self.events = [], [], []
+        self.sheets, self.samples, self.seen, self.events = [], [], [], []
         self.abandoned = False
 
     def begin(self, header):
@@ -27,6 +27,9 @@ class Kept:
 
     def sample(self, state, guidance):
         self.samples.append((state, guidance))
+
+    def estimate(self, seen):
+        self.seen.append(seen)
 
     def event(self, time_s, text):
         self.events.append((time_s, text))

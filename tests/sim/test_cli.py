@@ -36,6 +36,8 @@ REPORT_KEYS = [
     "waypoints_missed",
     "corner_cut_m",
     "outside_airspeeds_s",
+    "position_estimate_error_m",
+    "wind_estimate_error_mps",
 ]
 
 

@@ -72,6 +72,36 @@ def test_the_same_seed_gives_the_same_flight_and_another_does_not(ready, kept):
     assert flights[0] != flights[2]
 
 
+def test_gps_sensors_hold_the_path_on_true_state(ready, kept):
+    setup = ready("flight.sensors=gps")
+    end = fly(setup, kept, ignore)
+    assert end.outcome is Outcome.ARRIVED
+    assert [seen.time_s for seen in kept.seen] == [
+        state.time_s for state, _ in kept.samples[-len(kept.seen) :]
+    ]
+    assert len(kept.samples) - len(kept.seen) == 2  # till the first fix is known
+    frame, reference = setup.header.grid.frame, setup.header.reference
+    states = [state for state, _ in kept.samples if state.time_s >= 0.0]
+    time_s, lat_rad, lon_rad, altitude_m = np.array([state[:4] for state in states]).T
+    path_m, cross_track_m = reference.project_many(
+        *frame.to_plane(lat_rad, lon_rad), reference.path_at_times(time_s)
+    )
+    assert np.percentile(np.abs(cross_track_m), 95) < 3.0
+    assert np.abs(cross_track_m).max() < 8.0
+    off_m = np.abs(altitude_m - reference.at_many(path_m).altitude_m)
+    assert np.percentile(off_m, 95) < 4.0
+    assert path_m[-1] >= reference.waypoint_path_m[-1] - 0.1
+    believed_m = np.array([guidance.cross_track_m for _, guidance in kept.samples])[-len(time_s) :]
+    assert 0.1 < np.std(believed_m - cross_track_m) < 1.5
+
+
+def test_perfect_sensors_leave_nothing_to_estimate(ready, kept):
+    setup = ready("mission.altitude_m=60")
+    fly(with_truth(setup, down_mps=np.full_like(setup.truth.north_mps, 12.0)), kept, ignore)
+    assert kept.samples
+    assert kept.seen == []
+
+
 def with_truth(setup, **changes):
     return replace(setup, truth=replace(setup.truth, **changes))
 
@@ -134,14 +164,6 @@ def test_a_downdraught_into_the_ground_is_a_crash(ready, kept):
     setup = ready("mission.altitude_m=60")
     end = fly(with_truth(setup, down_mps=np.full_like(setup.truth.north_mps, 12.0)), kept, ignore)
     assert end.outcome is Outcome.CRASHED
-
-
-def test_an_empty_tank_ends_the_flight(ready, kept):
-    setup = ready()
-    setup.aircraft._fdm[TANK] = 0.02  # pounds
-    end = fly(setup, kept, ignore)
-    assert end.outcome is Outcome.FUEL_OUT
-    assert 0.0 < end.time_s < setup.header.plan.duration_s / 2
 
 
 def test_numbers_that_are_not_finite_end_the_flight(ready, kept):

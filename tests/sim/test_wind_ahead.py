@@ -51,7 +51,7 @@ def flown(field, duration_s, lead_in_s=30.0):
         time_s=-lead_in_s,
     )
     aircraft.watch(field, lambda time_s: max(time_s, 0.0))
-    wind = WindAhead(field, 0.0, lead_in_s)
+    wind = WindAhead(field.probe(), 0.0, lead_in_s)
     for _ in range(round((lead_in_s + duration_s) * RATE_HZ / STEPS)):
         wind.fly(aircraft, aircraft.state(), STEPS, STEPS / RATE_HZ)
     return aircraft

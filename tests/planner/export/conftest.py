@@ -68,7 +68,7 @@ def make_plan():
 def short_plan():
     """Three stops, the second a wait of 600.5 s, with one goal reached and one not."""
     goals = (
-        GoalOutcome("Tampa", 24.06, -83.97, True, "", 960.0, 960.0, 9_700.0, 600.5, 12.5, None),
+        GoalOutcome("Tampa", 24.06, -83.97, True, "", 960.0, 960.0, 9_700.0, 600.5, 12.5),
         GoalOutcome("Ponce & <co>", 18.0, -66.0, False, "no safe way"),
     )
     visits = [
