@@ -34,7 +34,6 @@ SECTIONS = {
     "peers": "peers_speed",
     "tracking": "tracking",
     "loop": "real_time_factor",
-    "tracking": "tracking",
 }
 """Name to module, in the order of the page."""
 

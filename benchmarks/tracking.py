@@ -281,8 +281,8 @@ def _section(cases: Sequence[Case], on_flight: Callable[[Flown], object]) -> str
         [
             "p95 of the worst flight and the largest of all, against the reference, on true state, from the "
             f"recordings; {len(SEEDS)} seeds of turbulence for each case (of `ian` the goals besides Miami, "
-            "and calm air, with one seed). The vortex course has 3.6 km legs with right angles between them, timed at "
-            "cruise airspeed in the forecast wind. Figures that miss their target are bold.",
+            "and calm air, with one seed). The vortex course has 3.6 km legs with right angles between "
+            "them, timed at cruise airspeed in the forecast wind. Figures that miss their target are bold.",
             table(cases, flown),
             f"{hours:.0f} h of flight in {took_s:.0f} s on {PROCESSES} processes.",
         ]
