@@ -228,12 +228,11 @@ def test_corners_between_fast_legs_are_wider() -> None:
     assert passed.curvature_radpm * (3600.0 / 80.0) ** 2 == pytest.approx(BANKED_MPS2)
 
 
-def test_a_corner_into_a_tailwind_is_as_wide_as_one_out_of_it() -> None:
+def test_a_corner_into_a_tailwind_is_as_wide_as_its_end_asks() -> None:
     points = flat((0, 0, 0), (3600, 0, 150), (3600, 3600, 233))  # 28 m/s of airspeed in 15 m/s to the east
     into = lay(points, wind=(0.0, 15.0)).at_many(np.linspace(0.0, 9000.0, 9000))
     fastest_mps = math.hypot(24.0, 15.0) + 15.0
     assert np.abs(into.curvature_radpm).max() * fastest_mps**2 == pytest.approx(BANKED_MPS2, rel=0.02)
-    assert np.abs(lay(points, wind=(0.0, 0.0)).curvature).max() > np.abs(into.curvature_radpm).max()
 
 
 @given(plans())

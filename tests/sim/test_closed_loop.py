@@ -138,7 +138,7 @@ def test_wind_above_the_airspeed_for_ten_minutes_is_survived(ready, kept):
     off_m = np.abs([guidance.cross_track_m for _, guidance in kept.samples])
     assert excess_m > 4000.0
     assert off_m.max() < excess_m + 0.5 * 600.0  # half a metre a second for turbulence
-    assert np.abs([guidance.altitude_error_m for _, guidance in kept.samples]).max() < 30.0
+    assert np.abs([guidance.altitude_error_m for _, guidance in kept.samples]).max() < 150.0
     back_s = next(time_s for time_s, text in kept.events if text == "back on the path")
     after = np.array([state.time_s for state, _ in kept.samples]) > back_s + 20.0
     assert after.sum() > 1000
