@@ -13,7 +13,11 @@ from click.core import ParameterSource
 
 from sim.cli_options import FAILED, load, print_plan
 
-WEIGHTS = {"alpha": 1.0, "beta": 1.0, "gamma": 0.1, "delta": 0.1}
+WEIGHTS = {"alpha": 1.0, "beta": 1.0, "gamma": 0.1, "delta": 0.1, "clearance_cap_cells": 30.0}
+_OF_WEIGHTS = (
+    *("Weight of clearance.", "Weight of mean clearance.", "Weight of length.", "Weight of time."),
+    "What a cell far from hazard counts as.",
+)
 OF_SCENARIOS = ("scenario", "overrides", "seed", "planner", "out", "exports")
 OF_MATRICES = (
     *("key", "index", "members", "start", "steps_per_stage", "step_s", "occupancy", "exact", "blur_cells"),
@@ -57,10 +61,10 @@ def matrices_only(command: Callable[..., Any]) -> Callable[..., Any]:
         click.option("--exact", is_flag=True, help="With score: the true optimum, and the gap to it."),
         click.option("--blur-cells", type=float, help="Blur of the share of members; 3."),
         *(
-            click.option(f"--{name}", type=float, default=value, show_default=True, help=f"Weight of {of}.")
-            for (name, value), of in zip(
-                WEIGHTS.items(), ("clearance", "mean clearance", "length", "time"), strict=True
+            click.option(
+                f"--{name.replace('_', '-')}", type=float, default=value, show_default=True, help=text
             )
+            for (name, value), text in zip(WEIGHTS.items(), _OF_WEIGHTS, strict=True)
         ),
     )
     return _decorated(command, options)

@@ -58,6 +58,8 @@ def test_options_reach_the_planner(galeway, matrices):
     assert found["arrival_step"] == 4
     assert found["gap"] == pytest.approx(0.0, abs=1e-6)
     assert found["terms"]["length"] == pytest.approx(-2.0)
+    capped = plan_on(galeway, matrices, "--index", "1", *goal, "--clearance-cap-cells", "12.5")
+    assert json.loads(capped.stdout)[0]["min_clearance_cells"] == 12.5
 
 
 def test_a_goal_without_a_way_is_an_answer(galeway, tmp_path):
