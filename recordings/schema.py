@@ -35,7 +35,7 @@ class Rate(StrEnum):
 
     ONCE = "before take-off"
     STAGE = "once a stage"
-    SAMPLE = "every sample of guidance, 10 Hz unless the scenario says otherwise"
+    SAMPLE = "every sample, 10 Hz unless the scenario says otherwise"
     SECOND = "1 Hz"
     EVENT = "when it happens"
 
