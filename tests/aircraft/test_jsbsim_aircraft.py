@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from aircraft.errors import ModelError
-from aircraft.jsbsim_aircraft import JsbsimAircraft
+from aircraft.jsbsim_aircraft import IDLE_IN_FLIGHT, JsbsimAircraft
 from aircraft.state import Command, FlightState
 from aircraft.turbulence import Turbulence
 
@@ -253,6 +253,14 @@ def test_60_and_120_hz_agree() -> None:
     assert coarse[-1].lat_rad == pytest.approx(fine[-1].lat_rad, abs=2.0 / 6.4e6)
 
 
+def test_what_is_idle_in_flight_can_be_left_out() -> None:
+    whole, lean = (started(turbulence=Turbulence("milspec", 4)) for _ in range(2))
+    for part in IDLE_IN_FLIGHT:
+        assert lean._fdm[f"simulation/models/{part}/enabled"] == 0.0
+        whole.enable(part, True)
+    assert fly(whole, 60.0) == fly(lean, 60.0)
+
+
 # the end of a flight
 
 
@@ -271,6 +279,8 @@ def test_a_crash_is_told() -> None:
     assert not aircraft.has_crashed()
     assert states[-1].height_above_ground_m == pytest.approx(states[-1].altitude_m, abs=0.1)
     assert any(fly(aircraft, 0.2) and aircraft.has_crashed() for _ in range(30))
+    fly(aircraft, 5.0)
+    assert aircraft.has_crashed()  # still
 
 
 def test_not_a_number_is_told() -> None:
