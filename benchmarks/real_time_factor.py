@@ -30,7 +30,7 @@ from sim.wind_ahead import WindAhead
 TITLE = "Speed of a flight"
 
 ROUNDS = 5
-FLOWN_S = 3600.0
+FLOWN_S = 1800.0
 LONG_S = 7200.0
 WHOLE_S = 18.0 * 3600.0
 
