@@ -6,7 +6,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from aircraft.errors import ModelError
-from aircraft.tables import nearest
+from aircraft.mistakes import nearest
 
 
 def write_with_autopilot(root: Path, base: str, autopilot: Path, into: Path) -> None:

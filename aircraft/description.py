@@ -15,8 +15,9 @@ from msgspec import Meta, Struct
 from aircraft.envelope import Margins
 from aircraft.errors import ModelError
 from aircraft.guidance import Gains
+from aircraft.mistakes import nearest
 from aircraft.properties import Property
-from aircraft.tables import TableError, convert, nearest, read_toml
+from aircraft.tables import TableError, convert, read_toml
 
 BUILT_IN = Path(__file__).parent / "models"
 FILE = "aircraft.toml"
@@ -144,6 +145,8 @@ def load_aircraft(model: str | Path, beside: Path = Path()) -> AircraftFolder:
             f"there is no aircraft model {str(model)!r}; the models are: {', '.join(names)}, "
             f"or give the folder of your own{nearest(str(model), names)}"
         )
+    if not (folder / FILE).is_file():
+        raise ModelError(f"the folder {folder} has no {FILE}, which describes an aircraft; write one")
     try:
         tables, _ = read_toml(folder / FILE)
         description = convert(tables, Description, str(folder / FILE))

@@ -21,14 +21,15 @@ class Envelope:
     """Limits in still air between sea level and `ceiling_m`, at any state of fuel.
 
     Airspeeds are true airspeeds. The maximum airspeed and the climb at cruise leave some power in hand
-    for turbulence, the minimum airspeed some lift; a level turn at `bank_max_rad` is possible at all of
-    them.
+    for turbulence, the descent at cruise as much to be taken off, the minimum airspeed some lift; a level
+    turn at `bank_max_rad` is possible at all of them.
     """
 
     airspeed_min_mps: float
     airspeed_max_mps: float
     cruise_mps: float
     climb_max_mps: float
+    descent_max_mps: float
     bank_max_rad: float
     ceiling_m: float
 
@@ -88,7 +89,7 @@ def measure_envelope(trim: Trim, margins: Margins, model: str) -> Envelope:
     At every combination of sea level and ceiling, full and empty tank, straight flight and a turn at the
     greatest bank, the range of airspeeds that hold is taken to be one interval with cruise in it; its ends
     are found by bisection, and the envelope is what all combinations have in common, rounded inward to
-    0.1 m/s. The climb is the greatest at cruise.
+    0.1 m/s. Climb and descent are the greatest at cruise.
 
     Raises:
         ModelError: if cruise itself does not hold, with the reason.
@@ -104,11 +105,13 @@ def measure_envelope(trim: Trim, margins: Margins, model: str) -> Envelope:
     fastest = _farthest(trim, margins, corners, "airspeed_mps", lambda value: value * _STEP)
     straight = [corner for corner in corners if not corner.bank_rad]
     climb = _farthest(trim, margins, straight, "climb_mps", lambda value: value + 1.0)
+    descent = -_farthest(trim, margins, straight, "climb_mps", lambda value: value - 1.0)
     return Envelope(
         airspeed_min_mps=round(math.ceil(slowest / _ROUND_MPS) * _ROUND_MPS, 1),
         airspeed_max_mps=round(math.floor(fastest / _ROUND_MPS) * _ROUND_MPS, 1),
         cruise_mps=margins.cruise_mps,
         climb_max_mps=round(math.floor(climb / _ROUND_MPS) * _ROUND_MPS, 1),
+        descent_max_mps=round(math.floor(descent / _ROUND_MPS) * _ROUND_MPS, 1),
         bank_max_rad=margins.bank_max_rad,
         ceiling_m=margins.ceiling_m,
     )
@@ -121,6 +124,8 @@ def shortfall(trim: Trim, margins: Margins, condition: Condition) -> str:
         return "it does not trim"
     if trimmed.throttle > margins.throttle_max:
         return f"throttle {trimmed.throttle:.2f} of {margins.throttle_max:.2f}"
+    if condition.climb_mps < 0.0 and trimmed.throttle < 1.0 - margins.throttle_max:
+        return f"throttle {trimmed.throttle:.2f}, of which {1.0 - margins.throttle_max:.2f} is kept in hand"
     if trimmed.angle_of_attack_rad > margins.angle_of_attack_max_rad:
         return (
             f"angle of attack {math.degrees(trimmed.angle_of_attack_rad):.1f}° of "

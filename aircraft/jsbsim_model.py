@@ -82,7 +82,8 @@ class JsbsimModel:
             except Exception as error:  # JSBSim raises several kinds, its base class among them
                 loaded, reason = False, str(error)
         if not loaded or _silence.complaints:
-            complaints = " ".join(" ".join([*_silence.complaints, reason]).split())
+            said = [" ".join(text.split()) for text in (*_silence.complaints, reason)]
+            complaints = " ".join(dict.fromkeys(filter(None, said)))  # it says some things twice
             raise ModelError(
                 f"JSBSim cannot load the model {self.aircraft.name!r}: {complaints or 'no reason given'}"
             )

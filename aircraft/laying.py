@@ -73,8 +73,14 @@ class Piece(NamedTuple):
     phase: Phase
 
 
-def lay(points: Sequence[PathPoint], style: Style) -> list[Segment]:
+def lay(points: Sequence[PathPoint], style: Style, circling_rad: float | None = None) -> list[Segment]:
     """The segments of the curve in the order they are flown.
+
+    Args:
+        points: in the order flown.
+        style: how to lay it.
+        circling_rad: the course on which the first place is passed, where it is a wait under way; that of the
+            first leg if None.
 
     Raises:
         PathError: see `gather` and `loiters.fit_laps`.
@@ -84,14 +90,19 @@ def lay(points: Sequence[PathPoint], style: Style) -> list[Segment]:
     before = [legs[0] if legs else Leg(math.inf, 0.0, 0.0), *legs]
     after = [*legs, before[-1]]
     first = 0
-    stops = []
+    stops: list[Stop] = []
     for place, leg, next_leg in zip(places, before, after, strict=True):
-        stops.append(_stop(place, f"waypoint {first}", leg, next_leg, style))
+        if circling_rad is not None and not stops:
+            turn_rad = math.remainder(next_leg.course_rad - circling_rad, 2.0 * math.pi)
+            leg = leg._replace(course_rad=circling_rad - turn_rad)  # half-way round, it is on that course
+            stops.append(_waiting(place, "waypoint 0", leg, 2.0 * turn_rad, next_leg.length_m / 2.0, style))
+        else:
+            stops.append(_stop(place, f"waypoint {first}", leg, next_leg, style))
         first += len(place)
 
     segments: list[Segment] = []
     for i, stop in enumerate(stops):
-        segments.extend(_laps(stop))
+        segments.extend(circles(stop))
         if i < len(legs):
             segments.extend(_stretch(stop, stops[i + 1], legs[i].length_m, style.wind_at))
     return [*_lead_in(stops, segments, style), *segments]
@@ -134,28 +145,35 @@ def _stop(points: Sequence[PathPoint], name: str, leg: Leg, next_leg: Leg, style
     """Shape the corner between two legs; it may use half of each."""
     turn_rad = math.remainder(next_leg.course_rad - leg.course_rad, 2.0 * math.pi)
     room_m = min(leg.length_m, next_leg.length_m) / 2.0
-    course_rad = leg.course_rad
+    if len(points) > 1:
+        return _waiting(points, name, leg, turn_rad, room_m, style)
     point = points[0]
-    middle_rad = course_rad + turn_rad / 2.0
-    if len(points) == 1:
-        radius_m = max(style.turn_radius_m, _banked_radius_m(point, leg, next_leg, turn_rad, style))
-        shape, laps = corner(turn_rad, radius_m * point.scale, room_m), None
-    else:
-        widest = bulb(turn_rad, style.loiter_radius_m * point.scale, room_m)
-        laps = fit_laps(
-            points[-1].time_s - point.time_s,
-            radius_max_m=widest.radius_m / point.scale,
-            airspeed_mps=style.loiter_airspeed_mps,
-            course_rad=middle_rad,
-            right=widest.right,
-            wind_after=_wind_after(point, style.wind_at),
-            where=name,
-        )
-        shape = bulb(turn_rad, laps.radius_m * point.scale, room_m)
+    middle_rad = leg.course_rad + turn_rad / 2.0
+    radius_m = max(style.turn_radius_m, _banked_radius_m(point, leg, next_leg, turn_rad, style))
+    shape = corner(turn_rad, radius_m * point.scale, room_m)
     inward_rad = middle_rad + math.copysign(math.pi / 2.0, turn_rad)
     north_m = point.north_m + shape.cut_m * math.cos(inward_rad)
     east_m = point.east_m + shape.cut_m * math.sin(inward_rad)
-    return Stop(points, shape, laps, north_m, east_m, middle_rad)
+    return Stop(points, shape, None, north_m, east_m, middle_rad)
+
+
+def _waiting(
+    points: Sequence[PathPoint], name: str, leg: Leg, turn_rad: float, room_m: float, style: Style
+) -> Stop:
+    """Shape a wait: laps through the waypoint, which is passed half-way round the turn."""
+    point, middle_rad = points[0], leg.course_rad + turn_rad / 2.0
+    widest = bulb(turn_rad, style.loiter_radius_m * point.scale, room_m)
+    laps = fit_laps(
+        points[-1].time_s - point.time_s,
+        radius_max_m=widest.radius_m / point.scale,
+        airspeed_mps=style.loiter_airspeed_mps,
+        course_rad=middle_rad,
+        right=widest.right,
+        wind_after=_wind_after(point, style.wind_at),
+        where=name,
+    )
+    shape = bulb(turn_rad, laps.radius_m * point.scale, room_m)
+    return Stop(points, shape, laps, point.north_m, point.east_m, middle_rad)
 
 
 def _banked_radius_m(point: PathPoint, leg: Leg, next_leg: Leg, turn_rad: float, style: Style) -> float:
@@ -179,7 +197,12 @@ def _banked_radius_m(point: PathPoint, leg: Leg, next_leg: Leg, turn_rad: float,
         cross_mps = east_mps * math.cos(course_rad) - north_mps * math.sin(course_rad)
         ahead_mps = math.sqrt(max(airspeed_mps * airspeed_mps - cross_mps * cross_mps, 0.0))
         speed_mps = max(speed_mps, tail_mps + ahead_mps)
-    return speed_mps * speed_mps / (_BANK_SHARE * GRAVITY_MPS2 * math.tan(style.bank_max_rad))
+    return banked_radius_m(speed_mps, style.bank_max_rad)
+
+
+def banked_radius_m(speed_mps: float, bank_max_rad: float) -> float:
+    """The turn at a speed over ground that leaves bank in hand."""
+    return speed_mps * speed_mps / (_BANK_SHARE * GRAVITY_MPS2 * math.tan(bank_max_rad))
 
 
 def _wind_after(point: PathPoint, wind_at: WindAt | None) -> Callable[[float], tuple[float, float]]:
@@ -189,8 +212,8 @@ def _wind_after(point: PathPoint, wind_at: WindAt | None) -> Callable[[float], t
     return lambda after_s: wind_at(point.north_m, point.east_m, point.time_s + after_s)
 
 
-def _laps(stop: Stop) -> list[Segment]:
-    """The circles of a wait; none where there is no wait."""
+def circles(stop: Stop) -> list[Segment]:
+    """The laps of a wait; none where there is no wait."""
     if stop.laps is None:
         return []
     scale = stop.points[0].scale

@@ -14,8 +14,10 @@ from aircraft.path import Floats
 ARCS = 16
 """Arcs to a lap, each with its own ground speed."""
 
+STRONGEST_WIND = 0.8
+"""Of the airspeed; above it the upwind half of a lap hardly moves, and there are no loiters."""
+
 _SAMPLES = 4  # of the ground speed, in each arc
-_STRONGEST_WIND = 0.8  # of the airspeed; above it the upwind half of a lap hardly moves
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,10 +60,10 @@ def fit_laps(
     while True:
         winds = np.array([wind_after((lap + 0.5) * wait_s / laps) for lap in range(laps)], dtype=np.float64)
         strongest_mps = float(np.hypot(winds[:, 0], winds[:, 1]).max())
-        if not strongest_mps <= _STRONGEST_WIND * airspeed_mps:
+        if not strongest_mps <= STRONGEST_WIND * airspeed_mps:
             raise PathError(
                 f"the wind of {strongest_mps:.1f} m/s at {where} is too strong to circle in at an airspeed "
-                f"of {airspeed_mps:.1f} m/s (limit {_STRONGEST_WIND * airspeed_mps:.1f} m/s); "
+                f"of {airspeed_mps:.1f} m/s (limit {STRONGEST_WIND * airspeed_mps:.1f} m/s); "
                 "wait elsewhere or at a higher loiter airspeed"
             )
         unit_times_s = _unit_times_s(winds, airspeed_mps, course_rad, right)
@@ -76,6 +78,18 @@ def fit_laps(
             "wait longer, not at all, or on a smaller circle"
         )
     return Laps(radius_m, unit_times_s * radius_m)
+
+
+def lap_s(
+    radius_m: float, *, airspeed_mps: float, course_rad: float, right: bool, wind: tuple[float, float]
+) -> float:
+    """How long one lap takes in a wind toward (north_mps, east_mps) that does not change; see `fit_laps`.
+
+    Infinite where that is too strong to circle in.
+    """
+    if not math.hypot(*wind) <= STRONGEST_WIND * airspeed_mps:
+        return math.inf
+    return radius_m * float(_unit_times_s(np.array([wind]), airspeed_mps, course_rad, right).sum())
 
 
 def _unit_times_s(winds_mps: Floats, airspeed_mps: float, course_rad: float, right: bool) -> Floats:

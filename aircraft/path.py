@@ -87,7 +87,10 @@ class ReferencePoint(NamedTuple):
 
 
 class Target(NamedTuple):
-    """What the reference asks for at one distance along it: a `ReferencePoint` without its position."""
+    """What the reference asks for at one distance along it: a `ReferencePoint` without its position.
+
+    `straight_to_m`: as far along it, course, speed and climb are the same; -inf on a curve.
+    """
 
     altitude_m: float
     time_s: float
@@ -96,6 +99,7 @@ class Target(NamedTuple):
     speed_mps: float
     climb_mps: float
     phase: Phase
+    straight_to_m: float
 
 
 class ReferencePoints(NamedTuple):

@@ -108,22 +108,25 @@ class Projector:
                 cross_m = right / scale
         return _new_tuple(Projection, (path_m, cross_m))
 
-    def project_many(self, north_m: Floats, east_m: Floats, near_path_m: Floats) -> tuple[Floats, Floats]:
+    def project_many(
+        self, north_m: Floats, east_m: Floats, near_path_m: Floats, lead_m: float
+    ) -> tuple[Floats, Floats]:
         """See `Reference.project_many`."""
         path_m, cross_m = np.empty(len(near_path_m)), np.empty(len(near_path_m))
-        near_path_m = self._followed_m(north_m, east_m, near_path_m)
+        near_path_m = self._followed_m(north_m, east_m, near_path_m, lead_m)
         for begin in range(0, len(near_path_m), _CHUNK):
             part = slice(begin, begin + _CHUNK)
             path_m[part], cross_m[part] = self._nearest(north_m[part], east_m[part], near_path_m[part])
         return path_m, cross_m
 
-    def _followed_m(self, north_m: Floats, east_m: Floats, near_path_m: Floats) -> Floats:
+    def _followed_m(self, north_m: Floats, east_m: Floats, near_path_m: Floats, lead_m: float) -> Floats:
         """Where the samples are, to some metres: the lead on `near_path_m` followed from anchor to anchor."""
-        marks = np.floor(near_path_m / _ANCHOR_M)
-        anchors = np.flatnonzero(np.diff(marks, prepend=-np.inf))
-        if len(anchors) == 0:
+        if len(near_path_m) == 0:
             return near_path_m
-        lead_m = 0.0
+        steps_m = np.hypot(np.diff(north_m, prepend=north_m[0]), np.diff(east_m, prepend=east_m[0]))
+        flown_m = np.cumsum(steps_m)  # a flight that is late flies on when its schedule has come to the end
+        marks = [np.floor(way_m / _ANCHOR_M) for way_m in (near_path_m, flown_m)]
+        anchors = np.flatnonzero(np.any([np.diff(mark, prepend=-np.inf) for mark in marks], axis=0))
         leads_m = []
         for north, east, near in zip(
             north_m[anchors].tolist(), east_m[anchors].tolist(), near_path_m[anchors].tolist(), strict=True

@@ -75,6 +75,9 @@ class Property(Enum):
     TANK = "propulsion/tank/contents-lbs", "lb", _POUND, "fuel in the first tank"
     FUEL_FLOW = "propulsion/engine/fuel-flow-rate-pps", "lb/s", _POUND, "what the first engine burns"
     ENGINE_RUNNING = "propulsion/engine/set-running", "1", 1.0, "0 or 1"
+    AIR_COMPUTED = "simulation/models/FGAtmosphere/enabled", "1", 1.0, "in every step, or not: 0 or 1"
+    MASS_COMPUTED = "simulation/models/FGMassBalance/enabled", "1", 1.0, "in every step, or not: 0 or 1"
+    GRAVITY_COMPUTED = "simulation/models/FGInertial/enabled", "1", 1.0, "in every step, or not: 0 or 1"
 
     # controls, and what trim leaves in them
     AILERON = "fcs/aileron-servo", "1", 1.0, "aileron, right roll, of full deflection"

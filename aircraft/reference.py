@@ -17,7 +17,17 @@ from numpy.typing import NDArray
 
 from aircraft.errors import PathError
 from aircraft.laying import Style, lay
-from aircraft.path import Floats, PathPoint, Phase, ReferencePoint, ReferencePoints, Row, Target, WindAt
+from aircraft.path import (
+    Floats,
+    PathPoint,
+    Phase,
+    ReferencePoint,
+    ReferencePoints,
+    Row,
+    Segment,
+    Target,
+    WindAt,
+)
 from aircraft.projection import Projection, Projector
 from aircraft.targets import Targets
 
@@ -40,7 +50,8 @@ class Reference:
     All lengths and positions are plane metres, `curvature` is per plane metre (right turn positive),
     times are on the clock of the waypoints, earlier than the first of them in the lead-in. Within a segment
     course, time and altitude run linearly with distance. The arrays become read-only.
-    `waypoint_path_m`: distance along the reference at which each path point is passed, shape (points,).
+    `waypoint_path_m`: distance along the reference at which each path point is passed, shape (points,); of a
+    reference that was laid anew in flight (`aircraft.relaying`) only of the points that were left to pass.
     """
 
     north_m: Floats
@@ -78,6 +89,7 @@ class Reference:
         wind_at: WindAt | None = None,
         loiter_airspeed_mps: float = 28.0,
         bank_max_rad: float = math.radians(35.0),
+        circling_rad: float | None = None,
     ) -> Reference:
         """Lay the curve through the points, and pass the point of it nearest to each at its time.
 
@@ -98,20 +110,27 @@ class Reference:
             loiter_airspeed_mps: true airspeed on loiter circles.
             bank_max_rad: corners are so wide that 0.72 of its tangent is enough at the highest speed over
                 ground in them, in the wind of their place and time; the rest is for gusts and lateness.
+            circling_rad: where the first points are a wait under way, the course at the ends of its laps.
 
         Raises:
             PathError: if there are fewer than two points, times do not rise, a wait is shorter than half a
                 lap, or the wind too strong to circle in.
         """
         style = Style(turn_radius_m, loiter_radius_m, lead_in_s, loiter_airspeed_mps, bank_max_rad, wind_at)
-        columns = [np.array(column) for column in zip(*lay(points, style), strict=True)]
-        north, east, course, curvature, length, scale, phase, start_s, end_s, start_h, end_h = columns
-        start_m = np.concatenate([[0.0], np.cumsum(length)[:-1]])
+        segments = lay(points, style, circling_rad)
         waypoint_path_m = np.interp(
             [point.time_s for point in points],
-            np.append(start_s, end_s[-1]),
-            np.append(start_m, start_m[-1] + length[-1]),
+            [segments[0].start_time_s, *(segment.end_time_s for segment in segments)],
+            np.cumsum([0.0, *(segment.length_m for segment in segments)]),
         )
+        return cls.of(segments, waypoint_path_m)
+
+    @classmethod
+    def of(cls, segments: Sequence[Segment], waypoint_path_m: Floats) -> Reference:
+        """The curve of these segments in the order flown, each beginning where the one before it ends."""
+        columns = [np.array(column) for column in zip(*segments, strict=True)]
+        north, east, course, curvature, length, scale, phase, start_s, end_s, start_h, end_h = columns
+        start_m = np.concatenate([[0.0], np.cumsum(length)[:-1]])
         return cls(
             north,
             east,
@@ -218,19 +237,19 @@ class Reference:
         path_m: Floats = np.interp(time_s, times_s, np.append(self.start_m, self.end_m))
         return path_m
 
-    def project(self, north_m: float, east_m: float, near_path_m: float) -> Projection:
+    @cached_property
+    def project(self) -> Callable[[float, float, float], Projection]:
         """The nearest point of the reference not far along it from an expected one.
 
         Where the curve runs over itself (laps, reversals) the nearer of equals to `near_path_m` is taken.
-
-        Args:
-            north_m: position, plane metres.
-            east_m: position, plane metres.
-            near_path_m: where along the reference it is expected, within `projection.WINDOW_M` true metres.
+        Called with `north_m` and `east_m`, the position in plane metres, and `near_path_m`, where along the
+        reference it is expected, within `projection.WINDOW_M` true metres.
         """
-        return self._projector.project(north_m, east_m, near_path_m)
+        return self._projector.project
 
-    def project_many(self, north_m: Floats, east_m: Floats, near_path_m: Floats) -> tuple[Floats, Floats]:
+    def project_many(
+        self, north_m: Floats, east_m: Floats, near_path_m: Floats, lead_m: float = 0.0
+    ) -> tuple[Floats, Floats]:
         """`project` for the samples of one flight: (path_m, cross_track_m), arrays of shape (samples,).
 
         The samples are followed along the curve in the order flown: how far each is ahead of or behind
@@ -241,8 +260,9 @@ class Reference:
             north_m: positions, plane metres, shape (samples,).
             east_m: positions, plane metres, shape (samples,).
             near_path_m: about where along the reference, such as `path_at_times` of the samples' times.
+            lead_m: how far ahead of that the first sample is, within the window of `project`.
         """
-        return self._projector.project_many(north_m, east_m, near_path_m)
+        return self._projector.project_many(north_m, east_m, near_path_m, lead_m)
 
     @cached_property
     def _projector(self) -> Projector:

@@ -31,6 +31,9 @@ class End(Enum):
     SLOWEST = "at the slowest"
 
 
+_NEITHER, _FASTEST, _SLOWEST = End  # by themselves: a member of an `Enum` takes as long as ten other names
+
+
 @dataclass(frozen=True, slots=True)
 class ScheduleGains:
     """How the schedule is kept.
@@ -63,19 +66,25 @@ class Schedule:
     """Keeps one flight to the times of its reference; call `airspeed_mps` at regular times."""
 
     def __init__(self, reference: Reference, envelope: Envelope, gains: ScheduleGains | None = None) -> None:
-        self.reference = reference
         self.envelope = envelope
         self.gains = gains or ScheduleGains()
-        self.end = End.NEITHER  # of the airspeeds allowed, at which the last one was
-        self._target, self._fastest_mps = reference.target, envelope.airspeed_max_mps
+        self.end = _NEITHER  # of the airspeeds allowed, at which the last one was
+        self._fastest_mps = envelope.airspeed_max_mps
         self._gust_mps = 0.0
         self._tan_bank_max = math.tan(envelope.bank_max_rad)
+        self.follow(reference)
+
+    def follow(self, reference: Reference) -> None:
+        """Keep to the times of this reference from now on."""
+        self.reference = reference
+        self._target = reference.target
         self._starts: list[float] = reference.start_m.tolist()
         self._limits = self._speed_limits()
 
     def airspeed_mps(
         self,
         path_m: float,
+        here: Target,
         onward_mps: float,
         time_error_s: float,
         tan_bank: float,
@@ -86,6 +95,7 @@ class Schedule:
 
         Args:
             path_m: where along the reference, plane metres.
+            here: what the reference asks for there.
             onward_mps: plane metres along it a second.
             time_error_s: late positive.
             tan_bank: tangent of the bank that is commanded.
@@ -93,15 +103,18 @@ class Schedule:
             wind_east_mps: steady wind, toward.
         """
         gains = self.gains
-        ahead = self._target(path_m + gains.preview_s * onward_mps)
-        cosine, sine = math.cos(ahead.course_rad), math.sin(ahead.course_rad)
-        limit_mps, speed_mps = self.speed_limit_mps(path_m), ahead.speed_mps
+        ahead_m = path_m + gains.preview_s * onward_mps
+        _, _, course_rad, curvature, speed_mps, _, _, straight_to_m = here
+        if ahead_m >= straight_to_m:
+            _, _, course_rad, curvature, speed_mps, _, _, _ = self._target(ahead_m)
+        cosine, sine = math.cos(course_rad), math.sin(course_rad)
+        limit_mps = self.speed_limit_mps(path_m)
         share, slower, faster = gains.late_per_s * time_error_s, -gains.early_max, gains.late_max
         hurried_mps = speed_mps * (1.0 + (slower if share < slower else faster if share > faster else share))
         if hurried_mps > limit_mps:
             hurried_mps = limit_mps
         wanted_mps = math.hypot(hurried_mps * cosine - wind_north_mps, hurried_mps * sine - wind_east_mps)
-        lowest_mps, highest_mps = self._lowest_mps(tan_bank, ahead), self._fastest_mps
+        lowest_mps, highest_mps = self._lowest_mps(tan_bank, speed_mps, curvature), self._fastest_mps
         most_mps = highest_mps
         if share > 0.0 and wanted_mps > highest_mps - gains.reserve_mps:
             if speed_mps > limit_mps:
@@ -109,9 +122,9 @@ class Schedule:
             planned_mps = math.hypot(speed_mps * cosine - wind_north_mps, speed_mps * sine - wind_east_mps)
             most_mps = max(highest_mps - gains.reserve_mps, planned_mps + gains.hurry_mps)
         if wanted_mps >= most_mps:
-            self.end, wanted_mps = End.FASTEST, most_mps
+            self.end, wanted_mps = _FASTEST, most_mps
         else:
-            self.end = End.SLOWEST if wanted_mps <= lowest_mps else End.NEITHER
+            self.end = _SLOWEST if wanted_mps <= lowest_mps else _NEITHER
         if wanted_mps >= highest_mps:  # in a strong wind no gust is a reason to yield
             return highest_mps
         wanted_mps += self._gust_mps
@@ -157,9 +170,9 @@ class Schedule:
             next_squared = min(squared, next_squared + slope * length_m)
         return limits[::-1]
 
-    def _lowest_mps(self, tan_bank: float, ahead: Target) -> float:
+    def _lowest_mps(self, tan_bank: float, speed_mps: float, curvature: float) -> float:
         """The lowest airspeed that carries the aircraft in its turn and in the one ahead."""
-        steepest = abs(ahead.speed_mps * ahead.speed_mps * ahead.curvature_radpm) / GRAVITY_MPS2
+        steepest = abs(speed_mps * speed_mps * curvature) / GRAVITY_MPS2
         if steepest > self._tan_bank_max:
             steepest = self._tan_bank_max
         if steepest < abs(tan_bank):

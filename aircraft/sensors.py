@@ -63,8 +63,8 @@ class SensorClass:
 
     fix_interval_s: float = 0.2
     fix_latency_s: float = 0.12
-    position_rms_m: float = 0.434
-    height_rms_m: float = 0.913
+    position_rms_m: float = 0.342
+    height_rms_m: float = 0.718
     fix_correlation_s: float = 300.0
     position_noise_m: float = 0.1
     height_noise_m: float = 0.15

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import tomllib
 from collections.abc import Iterator, Sequence
@@ -10,6 +9,8 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import msgspec
+
+from aircraft.mistakes import explained, nearest
 
 Table = TypeVar("Table")
 
@@ -27,8 +28,11 @@ def read_toml(path: Path) -> tuple[dict[str, Any], str]:
     try:
         text = path.read_text(encoding="utf-8")
         return tomllib.loads(text), text
-    except (OSError, UnicodeDecodeError) as error:
-        raise TableError(f"cannot read {path}: {error}") from error
+    except OSError as error:
+        raise TableError(f"cannot read {path}: {error.strerror}; check the path") from error
+    except UnicodeDecodeError as error:
+        byte = f"byte 0x{error.object[error.start]:02x} at {error.start}"
+        raise TableError(f"cannot read {path}: it is not text in UTF-8 ({byte}); save it as such") from error
     except tomllib.TOMLDecodeError as error:
         raise TableError(f"{path} is not TOML: {error}") from error
 
@@ -37,26 +41,17 @@ def convert(tables: dict[str, Any], kind: type[Table], source: str) -> Table:
     """Check tables as TOML gives them and make a msgspec struct of them.
 
     Raises:
-        TableError: naming the key, the value or limit, and the nearest valid key if it is unknown.
+        TableError: naming the key, the value, what it must be, and the nearest valid word if it is unknown.
     """
-    _refuse_unknown_keys(tables, msgspec.inspect.type_info(kind), source)
+    info = msgspec.inspect.type_info(kind)
+    _refuse_unknown_keys(tables, info, source)
     for key, value in _leaves(tables):
         if isinstance(value, float) and not math.isfinite(value):
             raise TableError(f"{source}: {key} is {value}; give a finite number")
     try:
         return msgspec.convert(tables, kind)
     except msgspec.ValidationError as error:
-        what, _, where = str(error).partition(" - at `$.")
-        key = where.rstrip("`")
-        given = dict(_leaves(tables)).get(key)
-        shown = f" is {given!r}" if given is not None else ""
-        raise TableError(f"{source}: {key + shown + ': ' if key else ''}{what}") from error
-
-
-def nearest(word: str, known: Sequence[str]) -> str:
-    """The end of a message, asking whether one of the known words was meant; empty if none is near."""
-    match = difflib.get_close_matches(word, known, n=1, cutoff=0.5)
-    return f"; did you mean {match[0]!r}?" if match else ""
+        raise TableError(f"{source}: {explained(tables, info, str(error))}") from error
 
 
 def _refuse_unknown_keys(value: Any, info: Any, source: str, where: str = "") -> None:
@@ -70,6 +65,27 @@ def _refuse_unknown_keys(value: Any, info: Any, source: str, where: str = "") ->
     elif isinstance(info, msgspec.inspect.VarTupleType) and isinstance(value, list):
         for inner in value:
             _refuse_unknown_keys(inner, info.item_type, source, where)
+    elif isinstance(info, msgspec.inspect.UnionType) and isinstance(value, dict):
+        kinds = [kind for kind in info.types if isinstance(kind, msgspec.inspect.StructType)]
+        if kinds and kinds[0].tag_field is not None:
+            _refuse_unknown_kind(value, kinds, kinds[0].tag_field, source, where)
+
+
+def _refuse_unknown_kind(
+    value: dict[str, Any],
+    kinds: Sequence[msgspec.inspect.StructType],
+    field: str,
+    source: str,
+    where: str,
+) -> None:
+    """The same for a table that is of one of several kinds, which it names."""
+    known = {str(kind.tag): kind for kind in kinds}
+    if value.get(field) not in known:
+        given = repr(value[field]) if field in value else "missing"
+        meant = nearest(str(value.get(field)), list(known))
+        raise TableError(f"{source}: {where}{field} is {given}; choose one of {', '.join(known)}{meant}")
+    named = {key: inner for key, inner in value.items() if key != field}
+    _refuse_unknown_keys(named, known[str(value[field])], source, where)
 
 
 def _leaves(value: Any, where: str = "") -> Iterator[tuple[str, Any]]:

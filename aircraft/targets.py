@@ -10,7 +10,9 @@ from aircraft.path import Phase, Row, Target
 
 _new_tuple = tuple.__new__  # makes a named tuple of a tuple in a third of the time of its constructor
 
-_Stretch = tuple[float, float, float, float, float, float, float, float, float, float, float, float, Phase]
+_Stretch = tuple[
+    float, float, float, float, float, float, float, float, float, float, float, float, Phase, float
+]
 """Its ends; where it is counted from; altitude, time and course there and their slopes; what is constant."""
 
 
@@ -52,6 +54,7 @@ class Targets:
             speed_mps,
             climb_mps,
             phase,
+            straight_to_m,
         ) = stretch
         along_m = path_m - start_m
         return _new_tuple(
@@ -64,6 +67,7 @@ class Targets:
                 speed_mps,
                 climb_mps,
                 phase,
+                straight_to_m,
             ),
         )
 
@@ -86,4 +90,5 @@ def _stretch(
         row.speed_mps,
         row.climb_mps,
         row.phase,
+        -math.inf if row.curvature and changing else high_m,
     )

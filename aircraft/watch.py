@@ -2,8 +2,9 @@
 
 Path following holds as long as the wind leaves an air speed across it (Stastny & Siegwart, *On flying
 backwards*, 2019). Beyond that the aircraft heads into the wind as fast as it can and drifts by no more than
-what the wind is faster; afterwards it returns. A schedule is kept by airspeed alone; where the airspeed is at
-its end, the aircraft stays on its path and the delay is reported.
+what the wind is faster; afterwards it returns. A schedule is kept by airspeed; where that is at its end, an
+aircraft that is early enough for a circle holds (`aircraft.holding`), and otherwise it stays on its path and
+the delay is reported.
 """
 
 from __future__ import annotations
@@ -40,6 +41,9 @@ class Path(Enum):
     RETURNING = "returning to the path"
 
 
+_FOLLOWED, _BLOWN_OFF, _RETURNING = Path  # by themselves: a member of an `Enum` takes as long as ten names
+
+
 class Watch:
     """Watches one flight.
 
@@ -48,7 +52,7 @@ class Watch:
     """
 
     def __init__(self, envelope: Envelope) -> None:
-        self.path = Path.FOLLOWED
+        self.path = _FOLLOWED
         self.news: list[str] = []
         self.off_schedule = False
         self._fastest_mps = envelope.airspeed_max_mps
@@ -61,21 +65,22 @@ class Watch:
 
     def note_path(self, cross_m: float, tail_mps: float, cross_wind_mps: float) -> None:
         """Take in where the aircraft is, and the steady wind along its path and across it."""
-        blown_off = self.path is Path.BLOWN_OFF
-        airspeed_mps = self._fastest_mps - (_CALMER_MPS if blown_off else 0.0)
+        path = self.path
+        blown_off = path is _BLOWN_OFF
+        airspeed_mps = self._fastest_mps - _CALMER_MPS if blown_off else self._fastest_mps
         spare = airspeed_mps * airspeed_mps - cross_wind_mps * cross_wind_mps
         if spare <= 0.0 or tail_mps + math.sqrt(spare) <= 0.0:
             if not blown_off:
-                self.path = Path.BLOWN_OFF
+                self.path = _BLOWN_OFF
                 wind_mps = math.hypot(tail_mps, cross_wind_mps)
                 self.news.append(
                     f"wind above airspeed: {wind_mps:.0f} m/s, heading into it at {self._fastest_mps:.0f} m/s"
                 )
         elif blown_off:
-            self.path = Path.RETURNING
+            self.path = _RETURNING
             self.news.append(f"wind below airspeed: returning to the path, {abs(cross_m):.0f} m off")
-        elif self.path is Path.RETURNING and abs(cross_m) < _ON_PATH_M:
-            self.path = Path.FOLLOWED
+        elif path is _RETURNING and abs(cross_m) < _ON_PATH_M:
+            self.path = _FOLLOWED
             self.news.append("back on the path")
 
     def note_schedule(self, late_s: float, end: End) -> None:

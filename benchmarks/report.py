@@ -34,6 +34,9 @@ SECTIONS = {
     "peers": "peers_speed",
     "tracking": "tracking",
     "loop": "real_time_factor",
+    "wind": "wind_lookup",
+    "campaign": "campaign_speed",
+    "dask": "dask_speed",
 }
 """Name to module, in the order of the page."""
 
@@ -43,7 +46,7 @@ PAGE = FOLDER.parent / "docs" / "benchmarks.md"
 INTRODUCTION = """\
 # Benchmarks
 
-Written by `make bench` in about twenty minutes, not by hand; the command under a heading measures one section
+Written by `make bench` in about 25 minutes, not by hand; the command under a heading measures one section
 again. Speeds are ratios against a reference in the same run, so that they carry over to other machines.
 """
 
@@ -72,10 +75,18 @@ def circumstances(name: str) -> str:
 
 
 def revision() -> str:
-    """The short git revision, with a word where files were changed since; 'unknown' outside a repository."""
-    command = ["git", "describe", "--always", "--dirty= with changes", "--exclude=*"]
-    done = subprocess.run(command, cwd=FOLDER, capture_output=True, text=True, check=False)
-    return done.stdout.strip() or "unknown"
+    """The short git revision, with a word where files but the page were changed; 'unknown' outside git."""
+
+    def git(*command: str) -> str:
+        done = subprocess.run(
+            ["git", *command], cwd=FOLDER.parent, capture_output=True, text=True, check=False
+        )
+        return done.stdout.strip()
+
+    changed = git(
+        "status", "--porcelain", "--untracked-files=no", "--", f":!{PAGE.relative_to(FOLDER.parent)}"
+    )
+    return (git("rev-parse", "--short", "HEAD") or "unknown") + (" with changes" if changed else "")
 
 
 def measure(name: str) -> str:

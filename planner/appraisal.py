@@ -15,13 +15,16 @@ import numpy as np
 
 from planner.cheapest import Arrivals
 from planner.clearance import capped_clearance
+from planner.closures import chance_of_hazard
+from planner.errors import PlannerError
 from planner.grid import Grid
 from planner.hazards import Bools
 from planner.legs import Country
+from planner.levels import stacked
 from planner.planning import PlanningRequest
 from planner.price import TIME, Price, over_way
 from planner.route import ScoreTerms
-from planner.survival import CERTAIN, probability_from_forecast
+from planner.survival import CERTAIN
 from planner.timetable import length_m, waiting_s
 from planner.way import Cell, Leg
 from planner.windfield import FieldArray, Floats
@@ -39,7 +42,8 @@ _TURN_RISK = 1e-5
 class Appraisal:
     """The measures of ways from one start.
 
-    `hazard` and `speed_mps`, the strongest wind near each cell in each stage: [stage, north, east].
+    `hazard` and `speed_mps`, the strongest wind near each cell in each stage: [stage, north, east], of
+    several levels in tall sheets.
     """
 
     grid: Grid
@@ -53,17 +57,30 @@ class Appraisal:
     @cached_property
     def clearance(self) -> Floats:
         """D of the score [cells], shape [stage, north, east]."""
-        return capped_clearance(self.hazard, self.request.weights.clearance_cap_cells)
+        levels, cap_cells = self.country.chart.levels, self.request.weights.clearance_cap_cells
+        if levels.count == 1:
+            return capped_clearance(self.hazard, cap_cells)
+        parts = [capped_clearance(part, cap_cells) for part in levels.parts(self.hazard)]
+        return stacked(np.stack(parts, axis=1), 0.0)
 
     @cached_property
     def risk(self) -> Floats:
-        """-log(1 - p) of a step in each cell, shape [stage, north, east]; the forecast must have an error."""
+        """-log(1 - p) of a step in each cell, shape [stage, north, east].
+
+        Raises:
+            PlannerError: if the forecast has no error and there is no ensemble.
+        """
         request = self.request
-        chance = probability_from_forecast(
-            self.speed_mps.astype(np.float64),
+        chance = chance_of_hazard(
+            self.speed_mps,
             threshold_mps=request.threshold_mps,
             error_mps=request.forecast_error_mps,
+            closures=request.closures,
         )
+        if chance is None:
+            raise PlannerError(
+                "there is no chance to survive without an error of the forecast or an ensemble"
+            )
         risk: Floats = -np.log1p(-np.minimum(chance, CERTAIN))
         return risk
 
@@ -72,6 +89,14 @@ class Appraisal:
         """What the score counts as a move [m]."""
         grid = self.grid
         return float(np.concatenate([grid.north_cell_m, grid.east_cell_m]).mean())
+
+    @property
+    def begin_s(self) -> float:
+        """When ways begin; what counts is the time since then."""
+        return self.country.begin_s
+
+    def _took_s(self, legs: Legs) -> float:
+        return _arrival_s(legs) - self.begin_s if legs else 0.0
 
     def worth(self, objective: str, legs: Legs) -> float:
         """What the objective makes large."""
@@ -84,20 +109,21 @@ class Appraisal:
 
     def terms(self, legs: Legs) -> ScoreTerms:
         """Its terms: D at the goal, Dbar over time, L in cells flown, T in steps."""
-        clock, weights, arrival_s = self.request.clock, self.request.weights, _arrival_s(legs)
+        clock, weights = self.request.clock, self.request.weights
+        arrival_s = self.begin_s + self._took_s(legs)
         goal = legs[-1].end if legs else self.start
         return ScoreTerms(
             weights.alpha * float(self.clearance[(clock.stage_at(arrival_s), *goal)]),
             weights.beta * self.mean_clearance(legs),
             -weights.gamma * length_m(self.country, legs) / self.cell_m,
-            -weights.delta * arrival_s / clock.step_s,
+            -weights.delta * self._took_s(legs) / clock.step_s,
         )
 
     def mean_clearance(self, legs: Legs) -> float:
-        """Dbar, over the time since departure [cells]."""
+        """Dbar, over the time since the beginning [cells]."""
         if not legs:
-            return float(self.clearance[(0, *self.start)])
-        return over_way(self.clearance, self.country, legs) / _arrival_s(legs)
+            return float(self.clearance[(self.request.clock.stage_at(self.begin_s), *self.start)])
+        return over_way(self.clearance, self.country, legs) / self._took_s(legs)
 
     def log_survival(self, legs: Legs) -> float:
         """The logarithm of the chance to survive, each step an independent draw."""
@@ -109,23 +135,23 @@ class Appraisal:
         if flow is None:
             return None
         flying = sum(float(flow.at(leg.airspeed_mps)) * (leg.arrive_s - leg.leave_s) for leg in legs)
-        return flying + float(flow.at(self.loiter_mps)) * waiting_s(legs)
+        return flying + float(flow.at(self.loiter_mps)) * waiting_s(legs, self.begin_s)
 
     def _saved_kg(self, legs: Legs) -> float:
         return -(self.fuel_kg(legs) or 0.0)
 
-    def price(self, objective: str, arrival_s: float, mean_clearance: float) -> Price:
+    def price(self, objective: str, took_s: float, mean_clearance: float) -> Price:
         """What a search adds up for "score" or "survival".
 
         The score is no sum, but for one time of arrival it is (as in `exact`); this is its change around a
-        way with such a time and mean clearance.
+        way that took such a time, with such a mean clearance.
         """
         step_s = self.request.clock.step_s
         if objective == "survival":
             per_s = _RISK_OF_A_STEP / step_s
             rate = self.risk / step_s
             return Price(per_s, 0.0, rate, _TURN_RISK, _ENOUGH_RISK, _ENOUGH_RISK_SHARE)
-        weights, steps = self.request.weights, max(arrival_s / step_s, 1.0)
+        weights, steps = self.request.weights, max(took_s / step_s, 1.0)
         per_s = (weights.delta + weights.beta * mean_clearance / steps) / step_s
         return Price(
             per_s,
@@ -136,7 +162,7 @@ class Appraisal:
         )
 
     def worth_of_arrivals(self, objective: str, goal: Cell, arrivals: Arrivals, reference_s: float) -> Floats:
-        """The worth of labels at a goal, found by the price around an arrival at the reference time."""
+        """The worth of labels at a goal, found by the price around a way that takes the reference time."""
         if objective == "survival":
             return -arrivals.integral
         weights, clock = self.request.weights, self.request.clock
@@ -146,7 +172,7 @@ class Appraisal:
             weights.alpha * clearance
             - self.rescaled(objective, arrivals, reference_s)
             - weights.gamma * arrivals.length_m / self.cell_m
-            - weights.delta * arrivals.time_s / clock.step_s
+            - weights.delta * (arrivals.time_s - self.begin_s) / clock.step_s
         )
 
     def rescaled(self, objective: str, arrivals: Arrivals, reference_s: float) -> Floats:
@@ -154,7 +180,9 @@ class Appraisal:
         if objective == "survival":
             return arrivals.integral
         step_s = self.request.clock.step_s
-        return arrivals.integral * max(reference_s, step_s) / np.maximum(arrivals.time_s, step_s)
+        return (
+            arrivals.integral * max(reference_s, step_s) / np.maximum(arrivals.time_s - self.begin_s, step_s)
+        )
 
     def score_bound_s(self, goal: Cell, better_than: float) -> float:
         """The arrival after which no way's score can be above a value [s]."""
@@ -163,13 +191,14 @@ class Appraisal:
             return math.inf
         most = weights.alpha * float(self.clearance[:, goal[0], goal[1]].max())
         most += weights.beta * float(self.clearance.max())
+        (_, first), (_, last) = (chart.levels.split(cell) for cell in (self.start, goal))
         north_m, east_m = (
             line_m[end] - line_m[begin]
-            for line_m, begin, end in zip((chart.north_m, chart.east_m), self.start, goal, strict=True)
+            for line_m, begin, end in zip((chart.north_m, chart.east_m), first, last, strict=True)
         )
         least_m = math.hypot(north_m, east_m) / float(chart.scale.max())
         steps = (most - weights.gamma * least_m / self.cell_m - better_than) / weights.delta
-        return steps * self.request.clock.step_s
+        return self.begin_s + steps * self.request.clock.step_s
 
 
 def _arrival_s(legs: Legs) -> float:

@@ -16,6 +16,8 @@ from planner.errors import BadFieldError, OutsideFieldError
 
 Floats = NDArray[np.float64]
 
+_new_tuple = tuple.__new__  # makes a named tuple of a tuple in a third of the time of its constructor
+
 EVERYWHERE = sys.float_info.max / 4.0
 """A margin that no value exceeds, yet finite, so that differences stay numbers."""
 
@@ -86,9 +88,13 @@ class Axis:
             return Span(0, 0, lowest, nodes[0], 0.0)
         if last == 0 or value > nodes[last]:
             return Span(last, last, nodes[last], highest, 0.0)
-        first = min(bisect_right(nodes, value) - 1, last - 1)
+        return self.after(min(bisect_right(nodes, value) - 1, last - 1))
+
+    def after(self, first: int) -> Span:
+        """The span from a node to the next one."""
+        nodes = self._values
         low, high = nodes[first], nodes[first + 1]
-        return Span(first, first + 1, low, high, 1.0 / (high - low))
+        return _new_tuple(Span, (first, first + 1, low, high, 1.0 / (high - low)))
 
     def spread(self, values: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats]:
         """First node, second node and weight of the second, for many values; each of the values' shape.

@@ -97,26 +97,35 @@ class _Batch(NamedTuple):
 
 
 def sweep(
-    problem: TimedProblem, price: Price, start: Cell, goals: Sequence[Cell], until_s: Floats, most: float
+    problem: TimedProblem,
+    price: Price,
+    start: Cell,
+    goals: Sequence[Cell],
+    until_s: Floats,
+    most: float,
+    begin_s: float = 0.0,
 ) -> Cheapest:
-    """Labels from a cell that is left at time 0 or later.
+    """Labels from a cell that is left at a time, `begin_s`, or later.
 
     Args:
-        problem: what to sweep through; the start has to be safe in stage 0.
+        problem: what to sweep through; the start has to be safe then.
         price: with a rate.
         start: where all ways begin.
         goals: whose arrivals are kept.
         until_s: latest arrival of use in each cell, shape [north, east].
         most: integral of the rate above which a way is of no use.
+        begin_s: since departure.
     """
     spread = _Spread(problem, price, goals, until_s, most)
     begin = problem.intervals.place_of(*start)
     first = np.array([begin], dtype=np.intp)
     zero = np.zeros(1)
     pending: dict[int, list[_Batch]] = defaultdict(list)
-    pending[0].append(_Batch(first, zero, zero, zero, np.array([-1], dtype=np.intp), np.array([np.nan])))
+    begun_s = np.array([begin_s])
+    batch = _Batch(first, begun_s, zero, zero, np.array([-1], dtype=np.intp), np.array([np.nan]))
     timetable = list(buckets(problem))
     ends_s = np.array([end_s for _, _, end_s in timetable])
+    _put(pending, batch, ends_s)
     entered = -1
     for number, (stage, span, end_s) in enumerate(timetable):
         if stage != entered:
@@ -176,7 +185,8 @@ class _Spread:
         fall = self.rate[stage - 1] - self.rate[stage]
         target = place + self.edges.shift[:, np.newaxis]
         edge_s = self.problem.moves.length_m.min() / self.problem.airspeed_mps
-        cheaper = 0.5 * (fall[place] + fall[target]) * edge_s > self.price.enough
+        there = fall.take(target, mode="clip")  # off the sheet no move leads
+        cheaper = 0.5 * (fall[place] + there) * edge_s > self.price.enough
         moves, which = np.nonzero((self.edges.joint[:, place] > 0) & (opened[:, place] | cheaper))
         return self._from_held(place[which], moves)
 

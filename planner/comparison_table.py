@@ -86,7 +86,8 @@ def _mean(values: Iterable[float | None], *, sign: bool = False) -> str:
 def _number(value: float | None, *, sign: bool = False) -> str:
     if value is None:
         return "-"
-    return f"{value:{'+' if sign else ''}.1f}".removesuffix(".0")
+    text = f"{value:{'+' if sign else ''}.1f}".removesuffix(".0")
+    return "0" if text in ("-0", "+0") else text
 
 
 def _table(head: Sequence[str], lines: Sequence[Sequence[str]]) -> str:

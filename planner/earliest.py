@@ -11,7 +11,7 @@ open.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,16 +54,21 @@ class Earliest:
         return way[::-1]
 
 
-def sweep(problem: TimedProblem, start: Cell, goals: Sequence[Cell] | None = None) -> Earliest:
+def sweep(
+    problem: TimedProblem, start: Cell | Mapping[Cell, float], goals: Sequence[Cell] | None = None
+) -> Earliest:
     """Earliest arrivals from a cell left at time 0 or later; with goals, until all of them are settled.
 
-    The start has to be safe in stage 0, and the wind in safe cells weaker than the airspeed.
+    Or from any of several cells, each from a time of its own on. They have to be safe then, and the wind in
+    safe cells weaker than the airspeed.
     """
     intervals = problem.intervals
     front = _Front(problem)
-    first = int(intervals.run[0, intervals.place_of(*start)])
-    front.arrive_s[first] = 0.0
-    open_states = np.array([first], dtype=np.intp)
+    starts = start if isinstance(start, Mapping) else {start: 0.0}
+    for cell, time_s in starts.items():
+        first = intervals.run[problem.clock.stage_at(time_s), intervals.place_of(*cell)]
+        front.arrive_s[first] = min(front.arrive_s[first], time_s)
+    open_states = np.flatnonzero(np.isfinite(front.arrive_s))
     wanted = None if goals is None else np.array([intervals.place_of(*goal) for goal in goals], dtype=np.intp)
     entered = -1
     for stage, span, end_s in buckets(problem):
@@ -109,9 +114,10 @@ class _Front(Edges):
         """Moves of states at once, without those to states that are settled."""
         intervals = self.problem.intervals
         places = intervals.place[states]
-        targets = intervals.run[self.stage][places + self.shift[:, np.newaxis]]
-        moves, which = np.nonzero((self.joint[:, places] > 0) & (self.arrive_s[targets] >= end_s))
-        states = states[which]
+        moves, which = np.nonzero(self.joint[:, places] > 0)
+        targets = intervals.run[self.stage][places[which] + self.shift[moves]]
+        late = self.arrive_s[targets] >= end_s
+        moves, states = moves[late], states[which[late]]
         return states, moves, self.arrive_s[states]
 
     def relax(self, states: Ints, moves: Ints, depart_s: Floats, span: int) -> Ints:

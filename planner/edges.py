@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.air import Air
+from planner.climbs import note_joint_end
 from planner.hazards import StageClock
 from planner.intervals import MARGIN, SafeIntervals
 from planner.moves import Moves
@@ -60,15 +61,34 @@ class Edges:
         frame = ((0, 0), (MARGIN, MARGIN))
         self.length_m = np.pad(moves.length_m, frame, mode="edge")
         self.half_turn = np.pad(np.complex64(0.5) * moves.course.conj(), frame, mode="edge")
+        self.airspeed_mps = np.full(len(moves.offsets), problem.airspeed_mps)
+        for change in moves.changes:  # what is left of it over ground
+            self.airspeed_mps[change.move] = np.sqrt(problem.airspeed_mps**2 - change.rate_mps**2)
         self.stage = 0
         self.joint = np.zeros((len(moves.offsets), intervals.run.shape[1]), dtype=np.int16)
+        self._spare = np.zeros_like(self.joint) if moves.changes else self.joint
         self.sheets: dict[int, NDArray[np.complex64]] = {}
 
     def enter(self, stage: int) -> NDArray[np.bool_]:
         """Go on to a stage; the moves [move, place] that it opens."""
         before = self.joint
         self.stage = stage
-        self.joint = self.problem.intervals.joint_end(stage, self.problem.moves.swept)
+        problem = self.problem
+        self.joint = problem.intervals.joint_end(stage, problem.moves.swept)
+        if problem.moves.levels is not None:
+            span_s = stage * problem.clock.stage_s, (stage + 1) * problem.clock.stage_s
+            kept = len(problem.moves.swept)
+            level, self.joint, self._spare = self.joint, self._spare, before
+            self.joint[:kept] = level
+            note_joint_end(
+                self.joint[kept:],
+                problem.intervals,
+                stage,
+                problem.moves,
+                problem.air,
+                span_s,
+                problem.airspeed_mps,
+            )
         opened: NDArray[np.bool_] = (self.joint > 0) & (before == 0)
         return opened
 
@@ -89,7 +109,8 @@ class Edges:
         def speed_at(place: int, which: Ints) -> Floats:
             sheet = self._sheet(place)
             wind = (sheet[source[which]] + sheet[target[which]]) * half_turn[which]
-            speed_mps: Floats = ground_speed(wind.real, wind.imag, problem.airspeed_mps)
+            airspeed_mps = self.airspeed_mps[moves[which]] if problem.moves.changes else problem.airspeed_mps
+            speed_mps: Floats = ground_speed(wind.real, wind.imag, airspeed_mps)
             return speed_mps
 
         arrive_s = arrival_times(depart_s, self.length_of(source, moves), problem.air.time_s, span, speed_at)

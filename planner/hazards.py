@@ -117,19 +117,11 @@ def strongest_mps(wind: WindField, clock: StageClock, *, corridor_m: float) -> F
         clock: the stages.
         corridor_m: half width of the room that the aircraft needs [m], less than one cell.
     """
-    smallest_cell_m = float(min(wind.grid.north_cell_m.min(), wind.grid.east_cell_m.min()))
-    if not 0.0 <= corridor_m < smallest_cell_m:
-        raise BadFieldError(
-            f"a corridor of {corridor_m:.0f} m does not fit cells of {smallest_cell_m:.0f} m; "
-            "choose 0 to one cell"
-        )
-    north_share = corridor_m / float(wind.grid.north_cell_m.min())
-    east_share = corridor_m / float(wind.grid.east_cell_m.min())
     return np.stack(
         [
             np.maximum.reduce(
                 [
-                    _largest_speed_in_room(north, east, north_share, east_share)
+                    largest_in_room(north, east, wind.grid, corridor_m=corridor_m)
                     for north, east in sheets(wind, clock, stage)
                 ]
             )
@@ -138,9 +130,26 @@ def strongest_mps(wind: WindField, clock: StageClock, *, corridor_m: float) -> F
     )
 
 
-def _largest_speed_in_room(
-    north: FieldArray, east: FieldArray, north_share: float, east_share: float
-) -> FieldArray:
+def largest_in_room(north: FieldArray, east: FieldArray, grid: Grid, *, corridor_m: float) -> FieldArray:
+    """The largest wind speed in each cell's room in one sheet of wind [m/s], shape [north, east].
+
+    Args:
+        north: component toward north [m/s], shape [north, east].
+        east: component toward east.
+        grid: theirs.
+        corridor_m: see `strongest_mps`.
+
+    Raises:
+        BadFieldError: if the corridor does not fit the cells.
+    """
+    smallest_cell_m = float(min(grid.north_cell_m.min(), grid.east_cell_m.min()))
+    if not 0.0 <= corridor_m < smallest_cell_m:
+        raise BadFieldError(
+            f"a corridor of {corridor_m:.0f} m does not fit cells of {smallest_cell_m:.0f} m; "
+            "choose 0 to one cell"
+        )
+    north_share = corridor_m / float(grid.north_cell_m.min())
+    east_share = corridor_m / float(grid.east_cell_m.min())
     largest = np.zeros_like(north)
     for row_offset in (0, 1, -1):
         for column_offset in (0, 1, -1):

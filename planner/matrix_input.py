@@ -65,7 +65,7 @@ class MatrixProblem:
         matrices = _matrices(hazards, ensemble=survival and members is None)
         ensemble = matrices if len(matrices) > 1 else None
         if members is not None:
-            ensemble = _matrices(members, ensemble=True)
+            ensemble = _matrices(members, ensemble=True, what="members")
             if ensemble.shape[1:] != matrices.shape[1:]:
                 raise BadFieldError(
                     f"members of shape {ensemble.shape} do not fit hazard matrices of {matrices.shape[1:]}; "
@@ -108,23 +108,25 @@ class MatrixProblem:
         return step
 
 
-def _matrices(hazards: ArrayLike, *, ensemble: bool) -> Bools:
+def _matrices(hazards: ArrayLike, *, ensemble: bool, what: str = "hazard matrices") -> Bools:
     """The matrices as [member, stage, row, column], of which there is one unless they may be an ensemble."""
     try:
         array = np.asarray(hazards)
         bad = array.dtype.kind not in "biuf"
     except ValueError:
-        raise BadFieldError("the hazard matrices disagree in shape; give one shape for all stages") from None
+        raise BadFieldError(f"the {what} disagree in shape; give one shape for all stages") from None
     if bad:
-        raise BadFieldError(f"hazard matrices of type {array.dtype}; give numbers or booleans")
+        raise BadFieldError(f"{what} of type {array.dtype}; give numbers or booleans")
     if array.ndim not in ((3, 4) if ensemble else (3,)):
         other = "or [member, stage, row, column]" if ensemble else "or pick one by its index"
-        raise BadFieldError(f"hazard matrices of shape {array.shape}; give [stage, row, column], {other}")
+        raise BadFieldError(f"{what} of shape {array.shape}; give [stage, row, column], {other}")
     if not array.size:
-        raise BadFieldError(f"hazard matrices of shape {array.shape} are empty; give a stage with a cell")
+        raise BadFieldError(f"{what} of shape {array.shape} are empty; give a stage with a cell")
     if array.dtype.kind == "f" and not np.isfinite(array).all():
         at = tuple(int(index) for index in np.argwhere(~np.isfinite(array))[0])
-        raise BadFieldError(f"the hazard at {at} is {array[at]}; give 0 for safe and 1 for hazard")
+        raise BadFieldError(
+            f"the value of the {what} at {at} is {array[at]}; give 0 for safe and 1 for hazard"
+        )
     hazard = np.asarray(array != 0, dtype=np.bool_)
     return hazard[None] if hazard.ndim == 3 else hazard
 

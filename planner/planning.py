@@ -8,18 +8,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from planner.closures import Closures, chance_of_hazard, joined
 from planner.consumption import FuelFlow
 from planner.errors import PlannerError
 from planner.grid import Grid
 from planner.ground import Cell, Occupancy
 from planner.hazards import StageClock, clearance_m, flyable_moves, strongest_mps
+from planner.levels import Climbing
 from planner.place import Place
 from planner.plans import GoalOutcome, Plan
 from planner.route import Route
 from planner.score import Weights
 from planner.staged import Blocked, GoalRoutes, StagedProblem, StageEnd, ends_of_earliest, search
 from planner.staged_outcome import length_m, nearest_place, stage_outcomes, waypoints
-from planner.survival import check_level, probability_from_forecast, search_survival, survival_of
+from planner.survival import check_level, search_survival, survival_of
 from planner.windfield import FieldArray, Floats, WindField
 
 __all__ = ["OBJECTIVES", "Place", "PlanningRequest", "StagedMission", "plan_staged", "staged_problem"]
@@ -40,6 +42,9 @@ class PlanningRequest:
     `abstain_below`: the least chance to survive. Only the wind-aware planner uses `cruise_mps`, the true
     airspeed on its legs (None: in the middle of the envelope), and `wait_min_s`, the shortest wait that can
     be flown as a loiter. `fuel_flow`: the aircraft's consumption at the altitude, which "fuel" needs.
+    `closures`: what is hazardous besides wind over the threshold; of several levels in tall sheets.
+    `levels_m`: altitudes that the wind-aware planner may change to besides the flight's own, at which it
+    begins and ends, and `climbing` how fast it does so.
     """
 
     start: Place
@@ -58,6 +63,15 @@ class PlanningRequest:
     forecast_error_mps: float = 0.0
     abstain_below: float = 0.0
     fuel_flow: FuelFlow | None = None
+    closures: Closures | None = None
+    levels_m: tuple[float, ...] = ()
+    climbing: Climbing | None = None
+
+    @property
+    def tells_chance(self) -> bool:
+        """Whether a chance to survive can be told: the forecast has an error, or there is an ensemble."""
+        by_members = self.closures is not None and self.closures.chance is not None
+        return self.forecast_error_mps > 0.0 or by_members
 
 
 def plan_staged(wind: WindField, request: PlanningRequest) -> Plan:
@@ -99,13 +113,12 @@ class StagedMission:
         _check_request(request)
         strongest = _strongest_mps(wind, request)
         problem = _problem(wind, request, strongest)
-        probability = None
-        if request.forecast_error_mps:
-            probability = probability_from_forecast(
-                strongest.astype(np.float64),
-                threshold_mps=request.threshold_mps,
-                error_mps=request.forecast_error_mps,
-            )
+        probability = chance_of_hazard(
+            strongest,
+            threshold_mps=request.threshold_mps,
+            error_mps=request.forecast_error_mps,
+            closures=request.closures,
+        )
         return cls(
             request,
             wind.grid,
@@ -197,10 +210,16 @@ class StagedMission:
         if self.probability is None:
             return known
         chance = survival_of(route.cells, first_step, self.probability, clock)
+        closures = self.request.closures
+        if closures is not None and closures.members is not None:
+            visited = ((clock.stage_of_step(step), cell) for step, cell in enumerate(route.cells, first_step))
+            chance = closures.members.counted(chance, visited)
         return replace(
             known,
             survival=chance.at_least,
             survival_at_most=chance.at_most,
+            members_survived=chance.members_survived,
+            members=chance.members,
             abstained=chance.below(self.request.abstain_below),
         )
 
@@ -212,10 +231,16 @@ def _check_request(request: PlanningRequest) -> None:
         raise PlannerError(
             f"the staged planner has no objective {request.objective!r}; choose {', '.join(OBJECTIVES)}"
         )
-    check_level(request.abstain_below)
-    if request.forecast_error_mps == 0.0 and (request.objective == "survival" or request.abstain_below > 0.0):
+    if request.levels_m:
         raise PlannerError(
-            "a chance to survive needs an error of the forecast, but forecast_error_mps is 0; raise it"
+            "the staged planner flies at one altitude, and levels_m names others; leave them out, or take "
+            "the wind-aware planner"
+        )
+    check_level(request.abstain_below)
+    if not request.tells_chance and (request.objective == "survival" or request.abstain_below > 0.0):
+        raise PlannerError(
+            "a chance to survive needs an error of the forecast or an ensemble, but forecast_error_mps is 0 "
+            "and there is no ensemble; raise it, or add one"
         )
 
 
@@ -235,7 +260,7 @@ def _strongest_mps(wind: WindField, request: PlanningRequest) -> FieldArray:
 
 def _problem(wind: WindField, request: PlanningRequest, strongest: FieldArray) -> StagedProblem:
     return StagedProblem(
-        strongest > request.threshold_mps,
+        joined(strongest > request.threshold_mps, request.closures),
         request.clock,
         request.weights,
         Occupancy.STRICT,

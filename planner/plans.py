@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import msgspec
@@ -110,6 +111,18 @@ class Plan:
     def duration_s(self) -> float:
         """From departure to the last waypoint [s]."""
         return self.waypoints[-1].time_s if self.waypoints else 0.0
+
+    @property
+    def level_flight(self) -> tuple[tuple[float, float], ...]:
+        """The altitudes that the route stays at, one after the other, and when each begins: (m, s).
+
+        A route that never stays at the altitude of its beginning or end has it there all the same.
+        """
+        route = self.waypoints
+        stays = [(a.altitude_m, a.time_s) for a, b in pairwise(route) if a.altitude_m == b.altitude_m]
+        ends = [(point.altitude_m, point.time_s) for point in (*route[:1], *route[-1:])]
+        met = [*ends[:1], *stays, *ends[1:]]
+        return (*met[:1], *(now for before, now in pairwise(met) if before[0] != now[0]))
 
     def to_json(self) -> bytes:
         """The plan as indented JSON."""

@@ -55,13 +55,19 @@ TIME = Price(per_s=1.0, per_turn=_TURN_S, enough=0.1)
 
 
 def along(rate: Floats, country: Country, legs: Legs, time_s: Floats) -> Floats:
-    """The integral over time of a rate of the cells, bilinear between their centres, of each leg."""
-    stages, rows, columns = rate.shape
+    """The integral over time of a rate of the cells, bilinear between their centres, of each leg.
+
+    Between two levels the rate is that of the nearer one.
+    """
+    stages, _, columns = rate.shape
     known = np.where(np.isfinite(time_s), time_s, 0.0)
     stage = np.clip((0.5 * (known[:, 1:] + known[:, :-1]) / country.stage_s).astype(np.intp), 0, stages - 1)
     row, column = np.floor(legs.row).astype(np.intp), np.floor(legs.column).astype(np.intp)
     up, right = legs.row - row, legs.column - column
-    north, east = np.minimum(row + 1, rows - 1), np.minimum(column + 1, columns - 1)
+    north, east = np.minimum(row + 1, country.chart.levels.rows - 1), np.minimum(column + 1, columns - 1)
+    if legs.level is not None:
+        nearer = np.rint(legs.level).astype(np.intp) * country.chart.levels.band
+        row, north = row + nearer, north + nearer
     total = np.zeros(stage.shape)
     for rows_at, columns_at, weight in (
         (row, column, (1.0 - up) * (1.0 - right)),
@@ -89,8 +95,8 @@ def while_waiting(
 
 
 def over_way(rate: Floats, country: Country, legs: Sequence[Leg]) -> float:
-    """The integral over time of a rate along a way from time 0 to the last arrival, waits included."""
-    total, now_s = 0.0, 0.0
+    """The integral over time of a rate along a way from its beginning to the last arrival, waits included."""
+    total, now_s = 0.0, country.begin_s
     for leg in legs:
         total += while_waiting(rate, country, leg.start, now_s, leg.leave_s)
         laid = lay_legs(country.chart, leg.start, *(np.array([index]) for index in leg.end))

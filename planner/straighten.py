@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from planner.earliest import Earliest
 from planner.legs import Country, Ints, are_safe, fly, lay_legs
@@ -24,6 +25,7 @@ from planner.windfield import Floats
 _SKIPS = np.array([1, 2, 4, 7, 12, 20, 32])
 _NEXT = np.arange(1, 10)  # as far as the next corner with what lies around it
 _ROUNDING = 1e-9
+_SLOWEST_CHANGE = 3.0  # times the least that a change of level takes
 _AROUND = 2  # nodes of the way to either side of a corner that the last round tries instead of it
 
 
@@ -58,7 +60,7 @@ def straighten(
     price: Price = TIME,
     way_price: float | None = None,
 ) -> list[Leg] | None:
-    """Straight legs along a way, from time 0 on, or None if the way itself cannot be flown in its intervals.
+    """Straight legs along a way, from its beginning on, or None if it cannot be flown in its intervals.
 
     By the price of time they arrive no later than the way does by the search, or flown cell by cell with the
     wind as it is in between (the two differ by what the wind bends within a cell).
@@ -68,11 +70,11 @@ def straighten(
         way: its nodes; waiting is tried where a node was left later than reached.
         airspeed_mps: true airspeed.
         price: what is made small.
-        way_price: of the way by the search; without it, its time of arrival.
+        way_price: of the way by the search; without it, the time it takes.
     """
     network = _Network(country, way, airspeed_mps, price)
     leave_s = [node.leave_s for node in way]
-    limit = price.enough + (way[-1].arrive_s if way_price is None else way_price)
+    limit = price.enough + (way[-1].arrive_s - country.begin_s if way_price is None else way_price)
     best = network.cheapest(leave_s, range(len(way)), _SKIPS, price.per_turn)
     if best is None or best.price > limit:
         best = network.cheapest(leave_s, range(len(way)), _SKIPS, 0.0)
@@ -103,6 +105,9 @@ class _Network:
         self.price = price
         self.cells = [node.cell for node in way]
         self.rows, self.columns = np.array(self.cells).T
+        levels = country.chart.levels
+        level, self.row = np.divmod(self.rows, levels.band)
+        self.height_m = levels.height_m[level]
         self.safe_from_s = np.array([node.safe_from_s for node in way])
         self.safe_until_s = np.array([node.safe_until_s for node in way])
 
@@ -120,7 +125,7 @@ class _Network:
         last = len(nodes) - 1
         index = np.array(nodes)
         cost, arrive_s = np.full(last + 1, np.inf), np.full(last + 1, np.inf)
-        cost[0] = arrive_s[0] = 0.0
+        cost[0], arrive_s[0] = 0.0, self.country.begin_s
         source: list[tuple[int, float]] = [(-1, 0.0)] * (last + 1)
         for at in range(last):
             if not np.isfinite(arrive_s[at]):
@@ -156,16 +161,24 @@ class _Network:
     def _legs(self, node: int, to: Ints, depart_s: float) -> tuple[Floats, Floats]:
         """When legs to other nodes end, and their price; infinite where legs or nodes are not safe."""
         end_s, price = np.full((2, *to.shape), np.inf)
-        other = np.flatnonzero((self.rows[to] != self.rows[node]) | (self.columns[to] != self.columns[node]))
+        other = np.flatnonzero((self.row[to] != self.row[node]) | (self.columns[to] != self.columns[node]))
         to = to[other]
         if to.size:
             legs = lay_legs(self.country.chart, self.cells[node], self.rows[to], self.columns[to])
             time_s = fly(self.country, legs, depart_s, self.airspeed_mps)
             good = are_safe(self.country, legs, time_s)
             good &= (time_s[:, -1] >= self.safe_from_s[to]) & (time_s[:, -1] < self.safe_until_s[to])
+            if legs.level is not None:
+                good &= (to == node + 1) | self._steep(node, to, time_s[:, -1] - depart_s)
             end_s[other[good]] = time_s[good, -1]
             price[other[good]] = self.price.of_legs(self.country, legs, time_s)[good]
         return end_s, price
+
+    def _steep(self, node: int, to: Ints, took_s: Floats) -> NDArray[np.bool_]:
+        """Which legs keep their level, or change it as a manoeuvre and not all along a long leg."""
+        assert self.country.climbing is not None
+        least_s = self.country.climbing.least_s(self.height_m[node], self.height_m[to])
+        return np.asarray((least_s == 0.0) | (took_s <= _SLOWEST_CHANGE * least_s))
 
 
 def _departures_of(legs: _Legs, count: int) -> list[float]:

@@ -47,11 +47,15 @@ def probability_from_members(members: Bools, *, blur_cells: float = 3.0) -> Floa
         raise BadFieldError(f"members of shape {members.shape}; give [member, stage, north, east]")
     if not (np.isfinite(blur_cells) and blur_cells >= 0.0):
         raise BadFieldError(f"a blur of {blur_cells} cells; give a finite number, 0 or more")
-    share = members.mean(axis=0, dtype=np.float64)
+    return blurred(np.asarray(members.mean(axis=0, dtype=np.float64)), blur_cells)
+
+
+def blurred(share: Floats, blur_cells: float) -> Floats:
+    """Shares of members, [stage, north, east], blurred in each stage; see `probability_from_members`."""
     if blur_cells == 0.0:
-        return np.asarray(share, dtype=np.float64)
-    blurred = ndimage.gaussian_filter(share, blur_cells, axes=(1, 2), mode="nearest")
-    return np.asarray(np.clip(blurred, 0.0, 1.0), dtype=np.float64)
+        return share
+    wide = ndimage.gaussian_filter(share, blur_cells, axes=(1, 2), mode="nearest")
+    return np.asarray(np.clip(wide, 0.0, 1.0), dtype=np.float64)
 
 
 def probability_from_forecast(speed_mps: Floats, *, threshold_mps: float, error_mps: float) -> Floats:

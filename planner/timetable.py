@@ -28,20 +28,26 @@ def waypoints(
     """The ends of legs and points between them, at the times of the flight at each leg's airspeed.
 
     A wait is two waypoints at one place. Points within a leg lie on its straight line on the Mercator plane.
+    All are at the altitude given, unless there are several levels.
     """
     chart = country.chart
-    north_m, east_m, time_s = [chart.north_m[start[0]]], [chart.east_m[start[1]]], [0.0]
+    row, column = chart.levels.split(start)[1]
+    north_m, east_m, time_s = [chart.north_m[row]], [chart.east_m[column]], [country.begin_s]
+    height_m = [altitude_m]
     for leg in legs:
         if leg.leave_s > time_s[-1]:
             north_m.append(north_m[-1])
             east_m.append(east_m[-1])
+            height_m.append(height_m[-1])
             time_s.append(leg.leave_s)
         laid, cut_s = _timed(country, leg)
         at_s = _times(laid, cut_s)
         share = np.interp(at_s, cut_s, laid.share[0])
         share[-1] = 1.0
+        from_m, to_m = (altitude_m, altitude_m) if laid.ends_m is None else laid.ends_m[0].tolist()
+        height_m.extend((from_m + share * (to_m - from_m)).tolist())
         for line_m, (first, last), out in (
-            (chart.north_m, (leg.start[0], leg.end[0]), north_m),
+            (chart.north_m, (leg.start[0] % chart.levels.band, leg.end[0] % chart.levels.band), north_m),
             (chart.east_m, (leg.start[1], leg.end[1]), east_m),
         ):
             out.extend((line_m[first] + share * (line_m[last] - line_m[first])).tolist())
@@ -49,8 +55,8 @@ def waypoints(
     lat_rad, lon_rad = grid.frame.to_geodetic(np.array(north_m), np.array(east_m))
     lon_rad = grid.unwrapped(lon_rad)
     return tuple(
-        Waypoint(math.degrees(lat), math.degrees(lon), altitude_m, time, clock.stage_at(time))
-        for lat, lon, time in zip(lat_rad.tolist(), lon_rad.tolist(), time_s, strict=True)
+        Waypoint(math.degrees(lat), math.degrees(lon), height, time, clock.stage_at(time))
+        for lat, lon, height, time in zip(lat_rad.tolist(), lon_rad.tolist(), height_m, time_s, strict=True)
     )
 
 
@@ -79,6 +85,7 @@ def length_m(country: Country, legs: Sequence[Leg]) -> float:
     (first_row, first_column), (last_row, last_column) = (
         np.array(ends).T for ends in ([leg.start for leg in legs], [leg.end for leg in legs])
     )
+    first_row, last_row = first_row % chart.levels.band, last_row % chart.levels.band
     first_m, last_m = chart.north_m[first_row], chart.north_m[last_row]
     plane_m = np.hypot(last_m - first_m, chart.east_m[last_column] - chart.east_m[first_column])
     middle = np.interp(0.5 * (first_m + last_m), chart.north_m, chart.scale)
@@ -86,13 +93,17 @@ def length_m(country: Country, legs: Sequence[Leg]) -> float:
     return float((plane_m * per_plane_m).sum())
 
 
-def waiting_s(legs: Sequence[Leg]) -> float:
-    """Time spent between legs."""
-    return legs[-1].arrive_s - sum(leg.arrive_s - leg.leave_s for leg in legs) if legs else 0.0
+def waiting_s(legs: Sequence[Leg], begin_s: float = 0.0) -> float:
+    """Time spent between legs, and before the first."""
+    return legs[-1].arrive_s - begin_s - sum(leg.arrive_s - leg.leave_s for leg in legs) if legs else 0.0
 
 
 def cells_passed(country: Country, legs: Sequence[Leg]) -> list[tuple[float, Cell]]:
-    """Times and nearest cells of every place where legs cross a line between cell centres, and their ends."""
+    """Times and nearest cells of every place where legs cross a line between cell centres, and their ends.
+
+    Of a change of level, the cells at all levels that it touches.
+    """
+    band = country.chart.levels.band
     passed = []
     for leg in legs:
         passed.append((leg.leave_s, leg.start))
@@ -101,8 +112,11 @@ def cells_passed(country: Country, legs: Sequence[Leg]) -> list[tuple[float, Cel
             continue
         laid, cut_s = _timed(country, leg)
         cells = np.rint(np.stack([laid.row[0], laid.column[0]])).astype(int).T.tolist()
+        touched = sorted((leg.start[0] // band, leg.end[0] // band))
         passed.extend(
-            (time_s, (row, column)) for time_s, (row, column) in zip(cut_s.tolist(), cells, strict=True)
+            (time_s, (level * band + row, column))
+            for time_s, (row, column) in zip(cut_s.tolist(), cells, strict=True)
+            for level in range(touched[0], touched[1] + 1)
         )
     return passed
 

@@ -28,7 +28,7 @@ def with_flyable_waits(
 
     Args:
         country: what the legs are flown through.
-        legs: in the order flown, the first from time 0.
+        legs: in the order flown, the first from the country's begin on.
         slowest_mps: least true airspeed.
         wait_min_s: of a loiter.
         unhurried: whether long waits are spread over the legs before them too, as far as that goes.
@@ -37,13 +37,13 @@ def with_flyable_waits(
         Legs along the same lines, safe at their new times; None if there are no such.
     """
     flown: list[Leg] = []
-    planned_s = now_s = 0.0
+    planned_s = now_s = country.begin_s
     since_wait = 0
     for leg in legs:
         if leg.leave_s > max(now_s, planned_s):
             slower = None
             if unhurried or leg.leave_s - now_s < wait_min_s:
-                slower = _arriving_at(country, flown[since_wait:], leg.leave_s, slowest_mps)
+                slower = arriving_at(country, flown[since_wait:], leg.leave_s, slowest_mps)
             if slower:
                 flown[since_wait:] = slower
                 now_s = slower[-1].arrive_s
@@ -84,7 +84,7 @@ def _chain(country: Country, legs: Sequence[Leg], airspeed_mps: float) -> tuple[
     return flown, all_safe
 
 
-def _arriving_at(
+def arriving_at(
     country: Country, legs: Sequence[Leg], arrive_s: float, slowest_mps: float
 ) -> list[Leg] | None:
     """Legs slowed down so that they end at a time (or within `_CLOSE_S` after it), if they can be."""
@@ -112,7 +112,7 @@ def _before(country: Country, legs: Sequence[Leg], until_s: float, slowest_mps: 
         return None
     slow, safe = _chain(country, legs, slowest_mps)
     if slow[-1].arrive_s > until_s:
-        return _arriving_at(country, legs, until_s, slowest_mps)
+        return arriving_at(country, legs, until_s, slowest_mps)
     return slow if safe and slow[-1].arrive_s > legs[-1].arrive_s else None
 
 

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from planner.axis import EVERYWHERE, Axis
 from planner.errors import BadFieldError
 from planner.grid import Grid
+from planner.tiled import is_tiled
 from planner.windprobe import WindProbe
 
 Floats = NDArray[np.float64]
@@ -45,7 +46,8 @@ class WindField:
     of its neighbours. The area is that of the cells: in the half cell beyond the outermost centres the
     outermost value holds, and so do all outermost values outside the field, if `hold` is set.
 
-    The arrays become the field's own and are made read-only.
+    The arrays become the field's own and are made read-only. What is too large for memory comes as
+    `TiledArray`, of which the ways to ask read no more than they need.
 
     Attributes:
         grid: the cell centres.
@@ -79,16 +81,19 @@ class WindField:
             values = getattr(self, name)
             if values is None and name == "down_mps":
                 continue
-            values = np.asarray(values)
-            if values.dtype != np.float32:
-                values = np.asarray(values, dtype=np.float64)
+            tiled = is_tiled(values)
+            if not tiled:
+                values = np.asarray(values)
+                if values.dtype != np.float32:
+                    values = np.asarray(values, dtype=np.float64)
             if values.shape != shape:
                 raise BadFieldError(
                     f"{name} has shape {values.shape}, but its axes ({', '.join(a.name for a in axes)}) have "
                     f"lengths {shape}; lay the array out in that order"
                 )
-            _refuse_non_finite(name, values, axes)
-            self._own(name, values)
+            if not tiled:  # whoever reads those has to see to it
+                _refuse_non_finite(name, values, axes)
+                self._own(name, values)
 
     def _own(self, name: str, values: NDArray[Any]) -> None:
         values.setflags(write=False)
@@ -168,6 +173,38 @@ class WindField:
             north_mps=layer(self.north_mps),
             east_mps=layer(self.east_mps),
             height_m=None,
+            down_mps=down_mps,
+        )
+
+    def level(self, altitude_m: float, grid: Grid) -> WindField:
+        """The wind at one altitude on another grid: `at_altitude` and `resampled` in one, sheet by sheet.
+
+        Raises:
+            OutsideFieldError: as these do.
+        """
+        if self.height_m is None:
+            return self.resampled(grid)
+        times = range(len(self.time_s))
+        sheets = [self._at_time(time).at_altitude(altitude_m).resampled(grid) for time in times]
+        down = None if self.down_mps is None else [sheet.down_mps for sheet in sheets]
+        return replace(
+            self,
+            grid=grid,
+            height_m=None,
+            north_mps=np.concatenate([sheet.north_mps for sheet in sheets]),
+            east_mps=np.concatenate([sheet.east_mps for sheet in sheets]),
+            down_mps=None if down is None else np.concatenate([part for part in down if part is not None]),
+        )
+
+    def _at_time(self, time: int) -> WindField:
+        """The field of one of its times, read."""
+        down_mps = None if self.down_mps is None else self.down_mps[time : time + 1]
+        one = slice(time, time + 1)
+        return replace(
+            self,
+            time_s=self.time_s[one],
+            north_mps=self.north_mps[one],
+            east_mps=self.east_mps[one],
             down_mps=down_mps,
         )
 

@@ -11,3 +11,7 @@ class BadRecordingError(RecordingError):
 
 class BadLimitError(RecordingError):
     """A limit that cannot be understood."""
+
+
+class BadComparisonError(RecordingError):
+    """Two recordings that cannot be compared."""

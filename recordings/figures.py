@@ -24,7 +24,8 @@ class Moment:
     def __str__(self) -> str:
         north, east = "NS"[self.lat_deg < 0.0], "EW"[self.lon_deg < 0.0]
         place = f"{abs(self.lat_deg):.2f} {north} {abs(self.lon_deg):.2f} {east}"
-        return f"{number(self.value)} {self.unit} at {clock(self.time_s)}, {place}"
+        measured = f"{number(self.value)} {self.unit}".rstrip()
+        return f"{measured} at {clock(self.time_s)}, {place}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,11 +55,26 @@ class Largest:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Places:
-    """When and where values were measured, arrays of the values' shape."""
+    """When, where and in which phase of the reference values were measured; arrays of their shape."""
 
     time_s: Floats
     lat_deg: Floats
     lon_deg: Floats
+    phase: NDArray[np.int64]
+
+    def moment(self, index: int, value: float, unit: str) -> Moment:
+        """What was measured at one of them."""
+        time_s, lat_deg, lon_deg = (float(of[index]) for of in (self.time_s, self.lat_deg, self.lon_deg))
+        return Moment(value, unit, time_s, lat_deg, lon_deg)
+
+    def chosen(self, which: NDArray[np.intp] | NDArray[np.bool_]) -> Places:
+        """Some of them."""
+        return Places(self.time_s[which], self.lat_deg[which], self.lon_deg[which], self.phase[which])
+
+    def lasting_s(self) -> Floats:
+        """For how long each stands: until the next one, the last for as long as the one before it."""
+        steps_s = np.diff(self.time_s)
+        return np.append(steps_s, steps_s[-1:] if len(steps_s) else math.inf)[: len(self.time_s)]
 
 
 class Statistics:
@@ -97,18 +113,12 @@ class Statistics:
 
     def note(self, name: str, value: float, places: Places, index: int, unit: str) -> None:
         """Keep the moment of one value."""
-        self.worst[name] = Moment(
-            value,
-            unit,
-            float(places.time_s[index]),
-            float(places.lat_deg[index]),
-            float(places.lon_deg[index]),
-        )
+        self.worst[name] = places.moment(index, value, unit)
 
 
 def unit_of(name: str) -> str:
     """The unit that a figure's name ends in, as it is written."""
-    return {"m": "m", "s": "s", "mps": "m/s"}.get(name.rpartition("_")[2], "")
+    return {"m": "m", "s": "s", "mps": "m/s", "deg": "°", "kg": "kg"}.get(name.rpartition("_")[2], "")
 
 
 def number(value: float) -> str:
@@ -121,3 +131,10 @@ def clock(time_s: float) -> str:
     seconds = math.floor(abs(time_s) + 0.5)
     sign = "-" if time_s < 0.0 and seconds else ""
     return f"{sign}{seconds // 3600:02d}:{seconds // 60 % 60:02d}:{seconds % 60:02d}"
+
+
+def clock_tenths(time_s: float) -> str:
+    """The same with tenths of a second."""
+    tenths = math.floor(abs(time_s) * 10.0 + 0.5)
+    sign = "-" if time_s < 0.0 and tenths else ""
+    return f"{sign}{clock(tenths // 10)}.{tenths % 10}"

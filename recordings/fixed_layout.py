@@ -54,6 +54,16 @@ class FixedLayout:
             for number, column in enumerate(self.columns, 1)
         }
 
+    def rows(self, table: Floats) -> Rows:
+        """Numbers, shape (n, columns), as `values`; what is too large for a float becomes infinite."""
+        rows = np.empty(len(table), self.values)
+        with np.errstate(over="ignore", invalid="ignore"):
+            for index, column in enumerate(self.columns):
+                if column.kind == Kind.SMALL:
+                    _check_small(column.name, table[:, index])
+                rows[column.name] = table[:, index]
+        return rows
+
     def fill(self, messages: Rows, table: Floats) -> None:
         """Write numbers into messages.
 

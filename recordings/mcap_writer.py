@@ -3,22 +3,28 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from contextlib import suppress
+from copy import copy
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
+from aircraft.reference import Reference
 from aircraft.state import FlightState
+from planner.plans import Plan
 from recordings import messages
 from recordings.errors import RecordingError
 from recordings.fixed_layout import FixedLayout
-from recordings.mcap_file import MESSAGE_HEAD, McapFile, fill_heads
+from recordings.mcap_chunk import MESSAGE_HEAD, McapChunk, fill_heads
+from recordings.mcap_file import McapFile
+from recordings.mcap_tail import Tail
 from recordings.poses import PoseMessages
 from recordings.protobuf_types import descriptor_set
-from recordings.recorder import FlightHeader, GuidanceSample, Layer, Outcome, WeatherSheet
-from recordings.samples import Samples, rounded
+from recordings.recorder import FlightHeader, GuidanceSample, Layer, Outcome, PlanIssue, WeatherSheet
+from recordings.samples import ESTIMATE_PLACES, Samples, firsts, rounded
 from recordings.schema import (
     ESTIMATE,
     ESTIMATE_COLUMNS,
@@ -30,16 +36,14 @@ from recordings.schema import (
     OUTCOME,
     PLAN,
     PLAN_ATTACHMENT,
+    PLAN_ISSUE,
     PLAN_PATH,
-    POSE,
-    POSITION,
     REFERENCE,
     SAMPLES_PER_CHUNK,
     SCENARIO_ATTACHMENT,
     STATE,
     STATE_COLUMNS,
     TOPICS,
-    TRANSFORM,
     TRUTH_GRID,
     TRUTH_HAZARD,
     VERSIONS_METADATA,
@@ -47,27 +51,34 @@ from recordings.schema import (
 )
 
 _LAYOUTS = {STATE: FixedLayout(STATE_COLUMNS), GUIDANCE: FixedLayout(GUIDANCE_COLUMNS)}
-_SAMPLE = np.dtype(
-    [
-        (topic.name, [("head", MESSAGE_HEAD), ("payload", layout.message)])
-        for topic, layout in _LAYOUTS.items()
-    ]
-)
+
+
+def _record(payloads: Mapping[Topic, Any]) -> np.dtype[np.void]:
+    """Messages of several topics one behind the other; `payloads` are NumPy's types of them."""
+    return np.dtype(
+        [(topic.name, [("head", MESSAGE_HEAD), ("payload", payload)]) for topic, payload in payloads.items()]
+    )
+
+
+_SIZES = {topic: layout.message.itemsize for topic, layout in _LAYOUTS.items()}
+_SAMPLE = _record({topic: layout.message for topic, layout in _LAYOUTS.items()})
 _ESTIMATE_LAYOUT = FixedLayout(ESTIMATE_COLUMNS)
-_ESTIMATE_RECORD = np.dtype([("head", MESSAGE_HEAD), ("payload", _ESTIMATE_LAYOUT.message)])
-_ESTIMATE_PLACES = [STATE_COLUMNS.index(column) for column in ESTIMATE_COLUMNS]
-_SECOND_SLACK_S = 1e-6  # times that should be whole seconds may be off by rounding
+_ESTIMATE_RECORD = _record({ESTIMATE: _ESTIMATE_LAYOUT.message})
 
 
 class McapRecorder:
-    """A `Recorder` that writes `<name>.partial.mcap`, which gets its final name when the flight has ended."""
+    """A `Recorder` that writes `<name>.partial.mcap`, which gets its final name when the flight has ended.
 
-    def __init__(self, path: Path) -> None:
+    `samples`: shared with the other recorders of the same flight, if there are any.
+    """
+
+    def __init__(self, path: Path, samples: Samples | None = None) -> None:
         self.path = path
         self.partial_path = path.with_suffix(f".partial{path.suffix}")
         self._stream: BinaryIO | None = None
-        self._room = SAMPLES_PER_CHUNK  # samples left to write to the chunk in progress
-        self._samples = Samples()
+        self._samples = Samples() if samples is None else samples
+        self._told = self._written = 0  # samples
+        self._chunk_end = SAMPLES_PER_CHUNK
         self._estimates: list[FlightState] = []
 
     def begin(self, header: FlightHeader) -> None:
@@ -91,9 +102,11 @@ class McapRecorder:
                 f"cannot write {self.partial_path}: {error.strerror}; record to another folder"
             ) from error
         self._header = header
-        self._file = McapFile(self._stream)
+        self._file, self._chunk, self._tail = McapFile(self._stream), McapChunk(), Tail(self.partial_path)
         self._poses = PoseMessages(header.grid.frame)
-        self._last_second = -math.inf
+        sizes = {topic: template.size for topic, template in self._poses.templates.items()}
+        self._pose_record = _record({topic: ("u1", size) for topic, size in sizes.items()})
+        self._posed_s = -math.inf  # the last sample that was asked for a pose
         self._file.add_metadata(HEADER_METADATA, messages.header_metadata(header))
         self._file.add_metadata(VERSIONS_METADATA, header.versions)
         log_time = self._log_time(lead_in_s)
@@ -104,12 +117,13 @@ class McapRecorder:
         for topic in TOPICS:
             if topic.message not in types:
                 types[topic.message] = self._file.add_schema(topic.message, descriptor_set(topic.message))
-        self._channels = {topic: self._file.add_channel(topic.name, types[topic.message]) for topic in TOPICS}
+        self._channels = {
+            topic: self._file.add_channel(topic.name, types[topic.message], _about(topic)) for topic in TOPICS
+        }
         frame = header.grid.frame
-        self._add(REFERENCE, log_time, messages.reference_message(header.reference, frame))
-        self._add(PLAN, log_time, messages.plan_message(plan))
-        self._add(PLAN_PATH, log_time, messages.plan_path_message(plan, frame, log_time))
-        self._file.finish_chunk()
+        self._add(REFERENCE, log_time, messages.reference_message(header.reference, frame, lead_in_s))
+        self._show(plan, log_time)
+        self._finish_chunk()
 
     def weather(self, sheet: WeatherSheet) -> None:
         """See `Recorder.weather`.
@@ -132,14 +146,39 @@ class McapRecorder:
 
     def sample(self, state: FlightState, guidance: GuidanceSample) -> None:
         """See `Recorder.sample`."""
-        if self._samples.add(state, guidance) == self._room:
+        if self._samples.total == self._told:  # otherwise another recorder has kept it already
+            self._samples.add(state, guidance)
+        self._told += 1
+        if self._told == self._chunk_end:
             self._write_samples()
-            self._file.finish_chunk()
-            self._room = SAMPLES_PER_CHUNK
+            self._finish_chunk()
+            self._chunk_end += SAMPLES_PER_CHUNK
+        elif self._tail.is_due:
+            self._tail.keep(self._file.position, self._unfinished())
 
     def estimate(self, seen: FlightState) -> None:
         """See `Recorder.estimate`."""
         self._estimates.append(seen)
+
+    def reference(self, time_s: float, reference: Reference) -> None:
+        """See `Recorder.reference`."""
+        self._write_samples()
+        message = messages.reference_message(reference, self._header.grid.frame, time_s)
+        self._add(REFERENCE, self._log_time(time_s), message)
+
+    def plan(self, issue: PlanIssue) -> None:
+        """See `Recorder.plan`."""
+        self._write_samples()
+        log_time = self._log_time(issue.time_s)
+        self._add(PLAN_ISSUE, log_time, messages.plan_issue_message(issue))
+        if issue.changed:
+            self._show(issue.plan, log_time)
+
+    def _show(self, plan: Plan, log_time: int) -> None:
+        """Write a plan as viewers know it."""
+        self._add(PLAN, log_time, messages.plan_message(plan))
+        frame = self._header.grid.frame
+        self._add(PLAN_PATH, log_time, messages.plan_path_message(plan, frame, log_time))
 
     def event(self, time_s: float, text: str) -> None:
         """See `Recorder.event`."""
@@ -169,10 +208,24 @@ class McapRecorder:
         stream, self._stream = self._stream, None
         if stream is not None:
             with stream:
+                self._finish_chunk()
                 self._file.finish()
+            self._tail.drop()
+
+    def _finish_chunk(self) -> None:
+        chunk, self._chunk = self._chunk, McapChunk()
+        self._file.add_chunk(chunk)
+        self._tail.put_off()
+
+    def _unfinished(self) -> McapChunk:
+        """The chunk in progress as it would be finished now; what is written later does not hang on it."""
+        other = copy(self)
+        other._chunk = self._chunk.copy()
+        other._write_samples()
+        return other._chunk
 
     def _add(self, topic: Topic, log_time: int, payload: bytes) -> None:
-        self._file.add_message(self._channels[topic], log_time, payload)
+        self._chunk.add_message(self._channels[topic], log_time, payload)
 
     def _log_time(self, time_s: float) -> int:
         return self._departure_ns + round(time_s * 1e9)
@@ -180,54 +233,62 @@ class McapRecorder:
     def _write_samples(self) -> None:
         """Turn the samples that wait into messages, all at once."""
         self._write_estimates()
-        count = len(self._samples)
+        count = self._told - self._written
         if not count:
             return
-        self._room -= count
-        tables = dict(zip(_LAYOUTS, self._samples.take(), strict=True))
+        tables = dict(zip(_LAYOUTS, self._samples.between(self._written, self._told), strict=True))
+        self._written = self._told
         times_s = tables[STATE][:, 0]
         if not np.all(np.isfinite(times_s)):
             raise RecordingError("a sample has no finite time and cannot be recorded; look at the aircraft")
         log_times = self._log_times(times_s)
-        records, offset = np.empty(count, _SAMPLE), 0
-        places: dict[int, tuple[NDArray[np.uint64], NDArray[np.uint64]]] = {}
-        begins = np.arange(count, dtype=np.uint64) * np.uint64(_SAMPLE.itemsize)
+        records = np.empty(count, _SAMPLE)
         for topic, layout in _LAYOUTS.items():
-            channel, part = self._channels[topic], records[topic.name]
-            fill_heads(part["head"], channel, layout.message.itemsize, log_times)
-            layout.fill(part["payload"], tables[topic])
-            places[channel] = log_times, begins + np.uint64(offset)
-            offset += part.itemsize
-        self._file.add_records(records.tobytes(), places)
+            layout.fill(records[topic.name]["payload"], tables[topic])
+        self._add_records(records, _SIZES, log_times)
         self._write_poses(tables[STATE], log_times)
 
     def _write_estimates(self) -> None:
         """The same for estimates; that of the last sample is still to come, and waits for the next ones."""
         if not self._estimates:
             return
-        table = rounded(np.array(self._estimates)[:, _ESTIMATE_PLACES], ESTIMATE_COLUMNS)
+        table = rounded(np.array(self._estimates)[:, ESTIMATE_PLACES], ESTIMATE_COLUMNS)
         self._estimates = []
-        records, channel = np.empty(len(table), _ESTIMATE_RECORD), self._channels[ESTIMATE]
-        log_times = self._log_times(table[:, 0])
-        fill_heads(records["head"], channel, _ESTIMATE_LAYOUT.message.itemsize, log_times)
-        _ESTIMATE_LAYOUT.fill(records["payload"], table)
-        begins = np.arange(len(table), dtype=np.uint64) * np.uint64(_ESTIMATE_RECORD.itemsize)
-        self._file.add_records(records.tobytes(), {channel: (log_times, begins)})
+        records = np.empty(len(table), _ESTIMATE_RECORD)
+        _ESTIMATE_LAYOUT.fill(records[ESTIMATE.name]["payload"], table)
+        self._add_records(
+            records, {ESTIMATE: _ESTIMATE_LAYOUT.message.itemsize}, self._log_times(table[:, 0])
+        )
 
     def _log_times(self, times_s: NDArray[np.float64]) -> NDArray[np.uint64]:
         return (np.rint(times_s * 1e9).astype(np.int64) + self._departure_ns).astype(np.uint64)
 
     def _write_poses(self, table: NDArray[np.float64], log_times: NDArray[np.uint64]) -> None:
         """The messages of once a second: the first sample of each."""
-        seconds = np.floor(table[:, 0] + _SECOND_SLACK_S)
-        first = np.flatnonzero(np.diff(seconds, prepend=self._last_second) > 0.0)
-        self._last_second = float(seconds[-1])
+        first = firsts(table[:, 0], self._posed_s)
+        self._posed_s = float(table[-1, 0])
         if not len(first):
             return
-        times = log_times[first].tolist()
-        made = [
-            self._poses.of(FlightState._make(row), log_time)
-            for row, log_time in zip(table[first].tolist(), times, strict=True)
-        ]
-        for topic, payloads in zip((POSITION, POSE, TRANSFORM), zip(*made, strict=True), strict=True):
-            self._file.add_messages(self._channels[topic], times, payloads)
+        records, log_times = np.empty(len(first), self._pose_record), log_times[first]
+        numbers, templates = self._poses.numbers(table[first]), self._poses.templates
+        for topic, template in templates.items():
+            template.fill(records[topic.name]["payload"], log_times, numbers[topic])
+        self._add_records(records, {topic: template.size for topic, template in templates.items()}, log_times)
+
+    def _add_records(
+        self, records: NDArray[np.void], sizes: Mapping[Topic, int], log_times: NDArray[np.uint64]
+    ) -> None:
+        """Add messages of several topics, one of each at each time, of which the payloads are filled."""
+        places, offset = {}, 0
+        begins = np.arange(len(records), dtype=np.uint64) * np.uint64(records.itemsize)
+        for topic, size in sizes.items():
+            channel, part = self._channels[topic], records[topic.name]
+            fill_heads(part["head"], channel, size, log_times)
+            places[channel] = log_times, begins + np.uint64(offset)
+            offset += part.itemsize
+        self._chunk.add_records(records.tobytes(), places)
+
+
+def _about(topic: Topic) -> dict[str, str]:
+    """What the schema says of a topic, for people who have nothing but the file."""
+    return {"content": topic.content, "rate": topic.rate.value, "frame": topic.frame}

@@ -13,12 +13,13 @@ from aircraft.reference import Reference
 from planner.grid import Grid, LocalFrame
 from planner.plans import Plan
 from recordings.protobuf_types import message_type
-from recordings.recorder import FlightHeader, WeatherSheet
+from recordings.recorder import FlightHeader, PlanIssue, WeatherSheet
 from recordings.schema import (
     EVENTS,
     MAP_FRAME,
     OUTCOME,
     PLAN,
+    PLAN_ISSUE,
     PLAN_PATH,
     REFERENCE,
     SCHEMA_VERSION,
@@ -26,6 +27,7 @@ from recordings.schema import (
     TRUTH_HAZARD,
     Topic,
 )
+from recordings.wind_field import thinned
 
 
 def new(topic: Topic, **content: Any) -> Any:
@@ -62,19 +64,21 @@ def header_metadata(header: FlightHeader) -> dict[str, str]:
         "scenario": header.scenario,
         "seed": str(header.seed),
         "limits": json.dumps(header.limits),
+        "also": json.dumps(header.also),
         "grid_rows": str(grid.rows),
         "grid_columns": str(grid.columns),
     } | {name: repr(float(number)) for name, number in numbers.items()}
 
 
-def reference_message(reference: Reference, frame: LocalFrame) -> bytes:
-    """The arrays of the reference, and the origin of the plane they lie in."""
+def reference_message(reference: Reference, frame: LocalFrame, issued_s: float) -> bytes:
+    """The arrays of the reference, the origin of the plane they lie in, and since when it is followed."""
     arrays = {field.name: getattr(reference, field.name).tolist() for field in fields(reference)}
     return serialised(
         new(
             REFERENCE,
             origin_lat_rad=frame.origin_lat_rad,
             origin_lon_rad=frame.origin_lon_rad,
+            issued_s=issued_s,
             **arrays,
         )
     )
@@ -98,19 +102,33 @@ def _feature(kind: str, coordinates: list[Any], **properties: Any) -> dict[str, 
     return {"type": "Feature", "geometry": geometry, "properties": properties}
 
 
+def plan_issue_message(issue: PlanIssue) -> bytes:
+    """What a forecast did to the plan."""
+    plan = issue.plan.to_json() if issue.changed else b""
+    return serialised(new(PLAN_ISSUE, issued_s=issue.time_s, reason=issue.reason, plan=plan))
+
+
 def plan_path_message(plan: Plan, frame: LocalFrame, log_time: int) -> bytes:
-    """The waypoints in the plane."""
+    """The waypoints in the plane, each turned to the next one: x along the leg that begins there."""
     message = new(PLAN_PATH, timestamp=timestamp(log_time), frame_id=MAP_FRAME)
-    for waypoint in plan.waypoints:
-        north_m, east_m = frame.to_plane(math.radians(waypoint.lat_deg), math.radians(waypoint.lon_deg))
+    places = [
+        frame.to_plane(math.radians(point.lat_deg), math.radians(point.lon_deg)) for point in plan.waypoints
+    ]
+    turn_rad = 0.0
+    for here, (north_m, east_m) in enumerate(places):
+        if places[here + 1 :] and places[here + 1] != places[here]:
+            next_north_m, next_east_m = places[here + 1]
+            turn_rad = math.atan2(next_north_m - north_m, next_east_m - east_m)
         pose = message.poses.add()
-        pose.position.x, pose.position.y, pose.position.z = east_m, north_m, waypoint.altitude_m
-        pose.orientation.w = 1.0
+        pose.position.x, pose.position.y = east_m, north_m
+        pose.position.z = plan.waypoints[here].altitude_m
+        pose.orientation.z, pose.orientation.w = math.sin(turn_rad / 2.0), math.cos(turn_rad / 2.0)
     return serialised(message)
 
 
 def hazard_message(sheet: WeatherSheet, grid: Grid, threshold_mps: float) -> bytes:
-    """The hazardous cells, a bit each, with the grid they lie on."""
+    """The hazardous cells, a bit each, with the grid they lie on; and the wind on some of them."""
+    wind = thinned(sheet.wind_north_mps, sheet.wind_east_mps)
     return serialised(
         new(
             TRUTH_HAZARD,
@@ -124,6 +142,10 @@ def hazard_message(sheet: WeatherSheet, grid: Grid, threshold_mps: float) -> byt
             rows=grid.rows,
             columns=grid.columns,
             cells=np.packbits(sheet.hazard).tobytes(),
+            wind_every=wind.every,
+            wind=wind.content,
+            closed=b"" if sheet.closed is None else np.packbits(sheet.closed).tobytes(),
+            altitude_m=sheet.altitude_m,
         )
     )
 

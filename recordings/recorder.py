@@ -27,8 +27,11 @@ class Outcome(StrEnum):
     FUEL_OUT = "fuel_out"
     ENGINE_FAILED = "engine_failed"
     NOT_FINITE = "not_finite"
+    DIVERTED = "diverted"  # at another of the mission's goals
+    RETURNED = "returned"  # at the start
+    NO_ROUTE = "no_route"  # it waited for a way to the goal to the end
     INTERRUPTED = "interrupted"
-    INCOMPLETE = "incomplete"  # never written: what a reader says of a recording that just stops
+    INCOMPLETE = "incomplete"  # what a reader says of a recording that just stops, and what repair writes
 
 
 class Layer(StrEnum):
@@ -42,8 +45,12 @@ class Layer(StrEnum):
 class WeatherSheet:
     """The weather of one stage: arrays are [north, east] on the flight's grid.
 
-    `hazard`: bool, wind over the threshold at any time of the stage. `wind_north_mps`, `wind_east_mps`:
-    float32, toward, at the start of the stage and at the flight's altitude.
+    `hazard`: bool, hazardous at any time of the stage, by the wind or for another reason; `closed`: bool, for
+    another reason than the mean wind, None where there is none. `wind_north_mps`, `wind_east_mps`: float32,
+    toward, at the start of the stage and at the flight's altitude: when that changes, there comes another
+    sheet of the same stage. `peak_mps`: float32, the strongest wind at any time of the stage, which makes the
+    wind's hazard; None where only that is known. `altitude_m`: that of the wind, above the ellipsoid; None in
+    old recordings.
     """
 
     layer: Layer
@@ -52,14 +59,18 @@ class WeatherSheet:
     hazard: NDArray[np.bool_]
     wind_north_mps: NDArray[np.float32]
     wind_east_mps: NDArray[np.float32]
+    peak_mps: NDArray[np.float32] | None = None
+    closed: NDArray[np.bool_] | None = None
+    altitude_m: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class FlightHeader:
     """All that is known before take-off; it makes the recording explain itself.
 
-    `threshold_mps`: wind speed above which a cell is hazardous. `limits`: the scenario's own, one
-    expression each. `versions`: package to version, with "galeway" and "git" among them.
+    `reference`: the first one; in flight others may follow. `threshold_mps`: wind speed above which a cell is
+    hazardous. `limits`: the scenario's own, one expression each. `also`: what is hazardous besides that wind,
+    in words. `versions`: package to version, with "galeway" and "git" among them.
     """
 
     scenario: str
@@ -73,6 +84,7 @@ class FlightHeader:
     airspeed_min_mps: float
     airspeed_max_mps: float
     limits: tuple[str, ...] = ()
+    also: tuple[str, ...] = ()
     versions: dict[str, str] = field(default_factory=dict)
 
 
@@ -91,6 +103,18 @@ class GuidanceSample(NamedTuple):
     command: Command
 
 
+class PlanIssue(NamedTuple):
+    """What a forecast did to the plan: `plan` is the one in force from then on, since departure.
+
+    `changed`: whether it is another one than before. `reason`: why, or why not, for people.
+    """
+
+    time_s: float
+    reason: str
+    plan: Plan
+    changed: bool
+
+
 class Recorder(Protocol):
     """Takes one flight. Times are seconds since departure, and never run backwards."""
 
@@ -105,6 +129,12 @@ class Recorder(Protocol):
 
     def estimate(self, seen: FlightState) -> None:
         """Write what sensors and estimators made of the last sample, where they are not perfect."""
+
+    def reference(self, time_s: float, reference: Reference) -> None:
+        """Write a reference that was laid anew in flight, and is followed after the last sample."""
+
+    def plan(self, issue: PlanIssue) -> None:
+        """Write what a new forecast did to the plan, before the reference that leads along a new one."""
 
     def event(self, time_s: float, text: str) -> None:
         """Write one event: a stage begins, a loiter, a warning."""
@@ -141,6 +171,16 @@ class Recorders:
         """See `Recorder.estimate`."""
         for recorder in self._recorders:
             recorder.estimate(seen)
+
+    def reference(self, time_s: float, reference: Reference) -> None:
+        """See `Recorder.reference`."""
+        for recorder in self._recorders:
+            recorder.reference(time_s, reference)
+
+    def plan(self, issue: PlanIssue) -> None:
+        """See `Recorder.plan`."""
+        for recorder in self._recorders:
+            recorder.plan(issue)
 
     def event(self, time_s: float, text: str) -> None:
         """See `Recorder.event`."""

@@ -1,10 +1,17 @@
-"""The run card: what was flown, in a few lines of Markdown."""
+"""The run card and the verdicts: what was flown and what came of its limits, in Markdown."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from datetime import UTC, datetime
 
+from recordings.figures import number
+from recordings.limits import Verdict
+from recordings.overlay import Overlaid
 from recordings.recorder import FlightHeader
+from recordings.tracking import track
+
+_WIDTH = 40  # letters of a limit
 
 
 def run_card(header: FlightHeader, ended: str) -> str:
@@ -16,19 +23,84 @@ def run_card(header: FlightHeader, ended: str) -> str:
     """
     plan = header.plan
     departure = datetime.fromtimestamp(plan.departure_s, UTC)
-    rows = [
-        (f"**{header.scenario}**, seed {header.seed}", ended, "planned", _planned(header)),
-        ("departure", f"{departure:%Y-%m-%d %H:%M} UTC", "planner", f"{plan.planner}, by {plan.objective}"),
-        (
-            "airspeed",
-            f"{header.airspeed_min_mps:g} to {header.airspeed_max_mps:g} m/s",
-            "hazard",
-            f"wind over {header.threshold_mps:g} m/s",
-        ),
-        ("galeway", header.versions.get("galeway", ""), "git", header.versions.get("git", "")),
-    ]
-    first, *others = [f"| {' | '.join(row)} |" for row in rows]
-    return "\n".join([first, "|---|---|---|---|", *others, ""])
+    levels = ", ".join(f"{altitude_m:g}" for altitude_m, _ in plan.level_flight)
+    rows = (
+        ("scenario", f"**{header.scenario}**, seed {header.seed}"),
+        ("planned", _planned(header)),
+        *((("levels", f"{levels} m"),) if len(plan.level_flight) > 1 else ()),
+        ("departure", f"{departure:%Y-%m-%d %H:%M} UTC"),
+        ("planner", f"{plan.planner}, by {plan.objective}"),
+        ("galeway", f"{header.versions.get('galeway', '')} {header.versions.get('git', '')}".strip()),
+    )
+    outcome, _, detail = ended.partition(": ")
+    told = f"**{outcome}**{detail and f': {detail}'}\n\n{_table(rows)}"  # a line is wrapped, a cell is not
+    return f"{told}\n{_hazard(header)}\n" if header.also else told
+
+
+def _hazard(header: FlightHeader) -> str:
+    """All that is hazardous; the legend has the wind, which most flights have alone."""
+    return f"**hazard**: {'; '.join((f'wind over {header.threshold_mps:.4g} m/s', *header.also))}"
+
+
+def limits_card(limits: Sequence[str]) -> str:
+    """The limits of a flight that is not judged yet."""
+    if not limits:
+        return "The scenario sets no limits, so nothing is judged.\n"
+    rows = [(f"**{len(limits)} limits**", "judged after the flight")]
+    return _table([*rows, *((_short(limit), "") for limit in limits)])
+
+
+def verdicts_card(verdicts: Sequence[Verdict]) -> str:
+    """What came of the limits of a flight, the broken ones first."""
+    if not verdicts:
+        return limits_card(())
+    passed = sum(verdict.passed for verdict in verdicts)
+    head = (f"**{passed} of {len(verdicts)} limits hold**", "measured", "")
+    rows = (
+        (_short(str(verdict.limit)), _value(verdict), "PASS" if verdict.passed else "**FAIL**")
+        for verdict in sorted(verdicts, key=lambda verdict: verdict.passed)
+    )
+    return _table([head, *rows])
+
+
+def _table(rows: Sequence[tuple[str, ...]]) -> str:
+    """The first row is the head."""
+    first, *others = [f"| {' | '.join(cell.replace('|', '/') for cell in row)} |" for row in rows]
+    return "\n".join([first, "|---" * len(rows[0]) + "|", *others, ""])
+
+
+def _short(limit: str) -> str:
+    """A limit in the width of the view; the events have it whole."""
+    return limit if len(limit) <= _WIDTH else f"{limit[: _WIDTH - 3]}..."
+
+
+def _value(verdict: Verdict) -> str:
+    value = verdict.value
+    if isinstance(value, bool) or value is None:
+        return {True: "true", False: "false", None: "nothing"}[value]
+    return number(value) if isinstance(value, float) else str(value)
+
+
+def flights_card(flights: Sequence[Overlaid]) -> str:
+    """The card of several flights, a row each."""
+    rows = [("flight", "outcome", "time", "across p95", "above p95", "hazard")]
+    for flight in flights:
+        tracking = track(flight.recording)
+        rows.append(
+            (
+                f"**{flight.label}**",
+                tracking.outcome.replace("_", " "),
+                clock(tracking.flight_time_s),
+                _figure(tracking.cross_track_m.p95, "m"),
+                _figure(tracking.altitude_error_m.p95, "m"),
+                _figure(tracking.hazard_exposure_s, "s"),
+            )
+        )
+    return _table(rows)
+
+
+def _figure(value: float | None, unit: str) -> str:
+    return "none" if value is None else f"{value:.1f} {unit}"
 
 
 def clock(time_s: float) -> str:

@@ -1,4 +1,4 @@
-"""The chart under the flight: weather as a picture on equal Mercator spacing, graticule and scale bar.
+"""The chart under the flight: its area on the plane and on the screen, graticule and scale bar.
 
 Chart coordinates are kilometres in the plane of `planner.grid.LocalFrame`: east, and north. What draws them
 in a plane whose second axis points down turns north over.
@@ -17,16 +17,17 @@ from numpy.typing import NDArray
 from planner.grid import Grid
 
 Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 Bytes = NDArray[np.uint8]
 
-_CALM_BANDS_MPS = (5.0, 10.0, 15.0, 20.0, 25.0)
-_CALM_COLOURS = ((15, 21, 33), (18, 27, 43), (22, 33, 53), (26, 40, 64), (30, 47, 75), (34, 54, 86))
-_HAZARD_BANDS_MPS = (17.5, 25.0, 33.0, 43.0)
-_HAZARD_COLOURS = ((104, 28, 33), (136, 36, 33), (168, 46, 32), (200, 62, 32), (232, 88, 38))
-_FORECAST_EDGE_COLOUR = (244, 132, 95)
-_GRATICULE_STEPS_DEG = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0)
+_GRATICULE_STEPS_DEG = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0)
+_NAME_PX = 62.0  # from one meridian to the next: the width of a name, and a gap
 _BAR_LENGTHS_KM = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0)
+
+_VIEW_PX = (830.0, 612.0)
+"""Room for the chart when the recording opens at 1600 x 900: to the right, and down."""
+
+_MARGINS_PX = {"west": 236.0, "south": 33.0, "east": 26.0, "north": 38.0}
+"""Of that, beside the picture: the legend and degrees, degrees, nothing, and the stage's name."""
 
 
 class Extent(NamedTuple):
@@ -68,29 +69,44 @@ class Chart:
         """Pixels of the picture (down, east)."""
         return len(self._rows), self.grid.columns
 
-    def picture(self, hazard: Bools, forecast_hazard: Bools, speed_mps: NDArray[np.float32]) -> Bytes:
-        """Colours of the weather: hazard in reds, other wind in blues, the edge of the forecast's hazard.
+    @cached_property
+    def px_km(self) -> float:
+        """Kilometres to a point on the screen, when the recording opens at 1600 x 900."""
+        extent, (across_px, down_px) = self.extent, _VIEW_PX
+        return max(
+            (extent.east - extent.west) / (across_px - _MARGINS_PX["west"] - _MARGINS_PX["east"]),
+            (extent.north - extent.south) / (down_px - _MARGINS_PX["south"] - _MARGINS_PX["north"]),
+        )
 
-        Args:
-            hazard: the true hazard, [north, east] on the grid.
-            forecast_hazard: what the planner saw, of the same shape.
-            speed_mps: true wind speed, of the same shape.
+    @cached_property
+    def view(self) -> Extent:
+        """Edges of what the view shows: the picture and its margins."""
+        extent, px_km = self.extent, self.px_km
+        return Extent(
+            extent.west - _MARGINS_PX["west"] * px_km,
+            extent.south - _MARGINS_PX["south"] * px_km,
+            extent.east + _MARGINS_PX["east"] * px_km,
+            extent.north + _MARGINS_PX["north"] * px_km,
+        )
 
-        Returns:
-            Red, green and blue, shape (down, east, 3), the northernmost row first.
-        """
-        calm = np.array(_CALM_COLOURS, np.uint8)[np.digitize(speed_mps, _CALM_BANDS_MPS)]
-        bad = np.array(_HAZARD_COLOURS, np.uint8)[np.digitize(speed_mps, _HAZARD_BANDS_MPS)]
-        colours = np.where(hazard[..., None], bad, calm)
-        colours[_edge(forecast_hazard)] = _FORECAST_EDGE_COLOUR
-        return np.ascontiguousarray(colours[self._rows])
+    def upright(self, cells: Bytes) -> Bytes:
+        """What lies on the grid, [north, east, ...], as rows of square pixels, the northernmost first."""
+        return np.ascontiguousarray(cells[self._rows])
+
+    @cached_property
+    def cells_km(self) -> tuple[Floats, Floats]:
+        """Positions of the grid's columns, east, and of its rows, north."""
+        grid = self.grid
+        north_m, _ = grid.frame.to_plane(grid.lat_rad, np.full(grid.rows, grid.frame.origin_lon_rad))
+        _, east_m = grid.frame.to_plane(np.full(grid.columns, grid.frame.origin_lat_rad), grid.lon_rad)
+        return east_m / 1000.0, north_m / 1000.0
 
     def graticule(self) -> list[Parallel]:
-        """Meridians and parallels at round degrees, four or more of each."""
+        """Meridians and parallels at round degrees, as close as their names allow."""
         grid, frame, extent = self.grid, self.grid.frame, self.extent
-        height_deg = math.degrees(grid.north_step_rad * grid.rows)
-        width_deg = math.degrees(grid.east_step_rad * grid.columns)
-        step_deg = _last_not_above(_GRATICULE_STEPS_DEG, min(height_deg, width_deg) / 4.0)
+        across_px = (extent.east - extent.west) / self.px_km
+        px_deg = across_px / math.degrees(grid.east_step_rad * grid.columns)
+        step_deg = _first_not_below(_GRATICULE_STEPS_DEG, _NAME_PX / px_deg)
         lines = []
         for lat_deg in _multiples(step_deg, grid.lat_rad):
             north_km = float(frame.to_plane(math.radians(lat_deg), frame.origin_lon_rad)[0]) / 1000.0
@@ -132,17 +148,14 @@ class Chart:
         return nearest
 
 
-def _edge(inside: Bools) -> Bools:
-    """The cells inside that touch one outside."""
-    kept = np.pad(inside, 1, mode="edge")
-    core = kept[:-2, 1:-1] & kept[2:, 1:-1] & kept[1:-1, :-2] & kept[1:-1, 2:]
-    return inside & ~core
-
-
 def _multiples(step_deg: float, angles_rad: Floats) -> list[float]:
     """The multiples of a step between the ends of an axis."""
     low, high = (math.degrees(float(angles_rad[i])) / step_deg for i in (0, -1))
     return [round(step_deg * i, 6) for i in range(math.ceil(low - 1e-9), math.floor(high + 1e-9) + 1)]
+
+
+def _first_not_below(steps: tuple[float, ...], value: float) -> float:
+    return next((step for step in steps if step >= value), steps[-1])
 
 
 def _last_not_above(steps: tuple[float, ...], value: float) -> float:

@@ -2,49 +2,67 @@
 
 from __future__ import annotations
 
+import zlib
+
 import numpy as np
 import pyarrow as pa  # what rerun keeps its columns in
 import rerun as rr
 from numpy.typing import NDArray
 
 from aircraft.state import FlightState
-from recordings.recorder import GuidanceSample
+from recordings.fixed_layout import FixedLayout
 from recordings.rerun_times import FlightTimes
-from recordings.samples import Samples
-from recordings.schema import GUIDANCE, GUIDANCE_COLUMNS, STATE, STATE_COLUMNS, Column, Kind, Topic
+from recordings.samples import ESTIMATE_PLACES, rounded
+from recordings.schema import (
+    ESTIMATE,
+    ESTIMATE_COLUMNS,
+    GUIDANCE,
+    GUIDANCE_COLUMNS,
+    STATE,
+    STATE_COLUMNS,
+    Column,
+    Kind,
+    Topic,
+)
 
-SAMPLES_PER_CHUNK = 600
-"""A minute at 10 Hz: what a killed flight loses at most."""
+Floats = NDArray[np.float64]
 
-_TYPES = {Kind.DOUBLE: np.float64, Kind.FLOAT: np.float32, Kind.SMALL: np.uint32}
+COLUMN_TYPES = {Kind.DOUBLE: np.float64, Kind.FLOAT: np.float32, Kind.SMALL: np.uint32}
 
 
 class SampleColumns:
-    """Collects samples and writes them to the entities named like the topics, a chunk at a time."""
+    """Writes samples to the entities named like the topics, a chunk at a time."""
 
     def __init__(self, times: FlightTimes) -> None:
         self._times = times
-        self._samples = Samples()
+        self._estimates: list[FlightState] = []
+        self.sums: dict[str, list[int]] = {}
+        """Of each topic the number of rows written, and the checksum of their bytes, `FixedLayout.values`."""
 
-    def add(self, state: FlightState, guidance: GuidanceSample) -> bool:
-        """Take one sample; True if a chunk is full and has to be written."""
-        return self._samples.add(state, guidance) >= SAMPLES_PER_CHUNK
+    def add_estimate(self, seen: FlightState) -> None:
+        """Take what was made of the last sample."""
+        self._estimates.append(seen)
 
-    def write(self, stream: rr.RecordingStream) -> None:
-        """Write what was collected."""
-        if not len(self._samples):
-            return  # the viewer fails on an empty chunk
-        state, guidance = self._samples.take()
-        self._send(stream, STATE, STATE_COLUMNS, state)
-        self._send(stream, GUIDANCE, GUIDANCE_COLUMNS, guidance)
+    def write(self, stream: rr.RecordingStream, state: Floats, guidance: Floats) -> None:
+        """Write samples, columns as `STATE_COLUMNS` and `GUIDANCE_COLUMNS`, and what was made of them."""
+        if len(state):  # the viewer fails on an empty chunk
+            self._send(stream, STATE, STATE_COLUMNS, state)
+            self._send(stream, GUIDANCE, GUIDANCE_COLUMNS, guidance)
+        if self._estimates:
+            estimates, self._estimates = np.array(self._estimates), []
+            table = rounded(estimates[:, ESTIMATE_PLACES], ESTIMATE_COLUMNS)
+            self._send(stream, ESTIMATE, ESTIMATE_COLUMNS, table)
 
     def _send(
         self,
         stream: rr.RecordingStream,
         topic: Topic,
         columns: tuple[Column, ...],
-        table: NDArray[np.float64],
+        table: Floats,
     ) -> None:
+        rows = FixedLayout(columns).rows(table)
+        count, checksum = self.sums.get(topic.name, (0, 0))
+        self.sums[topic.name] = [count + len(rows), zlib.crc32(rows.tobytes(), checksum)]
         offsets = np.arange(len(table) + 1, dtype=np.int32)  # one value a row
         stream.send_columns(
             topic.name,
@@ -52,10 +70,10 @@ class SampleColumns:
             [
                 rr.ComponentColumn(
                     rr.ComponentDescriptor(column.name).with_builtin_archetype(topic.message),
-                    _Values(values, column.kind),
+                    _Values(rows[column.name], column.kind),
                     offsets=offsets,
                 )
-                for column, values in zip(columns, table.T, strict=True)
+                for column in columns
             ],
         )
 
@@ -63,8 +81,8 @@ class SampleColumns:
 class _Values:
     """Numbers of one kind, in the form that Rerun asks for."""
 
-    def __init__(self, values: NDArray[np.float64], kind: Kind) -> None:
-        self._array = pa.array(np.ascontiguousarray(values, dtype=_TYPES[kind]))
+    def __init__(self, values: NDArray[np.generic], kind: Kind) -> None:
+        self._array = pa.array(np.ascontiguousarray(values, dtype=COLUMN_TYPES[kind]))
 
     def as_arrow_array(self) -> pa.Array:
         """The values in Arrow's form."""

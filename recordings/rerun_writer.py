@@ -7,8 +7,9 @@ screen can show.
 from __future__ import annotations
 
 import math
+import time
 import zlib
-from collections.abc import Mapping
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -16,47 +17,52 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from aircraft.path import Phase
+from aircraft.reference import Reference
 from aircraft.state import FlightState
+from planner.plans import Plan
 from recordings.errors import RecordingError
-from recordings.recorder import FlightHeader, GuidanceSample, Layer, Outcome, WeatherSheet
+from recordings.limits import Verdict
+from recordings.recorder import FlightHeader, GuidanceSample, Layer, Outcome, PlanIssue, WeatherSheet
 from recordings.rerun_blueprint import flight_blueprint
-from recordings.rerun_card import run_card
+from recordings.rerun_card import limits_card, run_card, verdicts_card
 from recordings.rerun_chart import Chart
-from recordings.rerun_columns import SampleColumns
-from recordings.rerun_plots import PHASES, draw_plots, plot_values, scalars
-from recordings.rerun_scene import Scene, south
+from recordings.rerun_flight import FlownRows
+from recordings.rerun_log import RerunLog
+from recordings.rerun_plots import draw_limits, draw_plots
+from recordings.rerun_scene import Scene, flyable
+from recordings.rerun_text import drawable
 from recordings.rerun_times import FlightTimes
-from recordings.rerun_weather import WeatherLayer
+from recordings.rerun_weather import WeatherLayers
+from recordings.samples import MOST, Samples, firsts
 
 Floats = NDArray[np.float64]
 
-ROW_S = 1.0
-"""A sample is drawn when this much time has passed since the last one drawn."""
-
 ROWS_PER_CHUNK = 120
-"""Rows written at once: two minutes of flight, which is what a killed flight loses at most."""
+"""Rows that are worth drawing: two minutes of flight; five, where `samples.MOST` come at once."""
 
-POSE_STRIDE = 5
-"""Rows from one pose of the aircraft's mark to the next."""
-
-_SLACK_S = 1e-6  # times that should be whole seconds may be off by rounding
+_LONGEST_WAIT_S = 5.0
+"""On the wall, in a flight that is paced by a clock: what a killed process loses of it at most."""
 
 
 class RerunRecorder:
-    """A `Recorder` that writes `<name>.partial.rrd`, which gets its final name when the flight has ended."""
+    """A `Recorder` that writes `<name>.partial.rrd`, which gets its final name when the flight has ended.
 
-    def __init__(self, path: Path) -> None:
+    `samples`: shared with the other recorders of the same flight, if there are any.
+    `judged`: the flight will be judged; then the file is finished by `verdicts`, after `finish`.
+    """
+
+    def __init__(self, path: Path, samples: Samples | None = None, *, judged: bool = False) -> None:
         self.path = path
+        self._judged = judged
         self.partial_path = path.with_suffix(f".partial{path.suffix}")
         self._stream: rr.RecordingStream | None = None
-        self._kept: list[tuple[FlightState, GuidanceSample]] = []
-        self._skipped: tuple[FlightState, GuidanceSample] | None = None
-        self._next_s = -math.inf
-        self._track_end: Floats = np.empty((0, 3))
-        self._hazard: NDArray[np.bool_] | None = None
+        self._samples = Samples() if samples is None else samples
+        self._told = self._written = 0  # samples
+        self._last_s = -math.inf  # time of the last sample that was written
+        self._undrawn: list[tuple[Floats, Floats]] = []  # rows
+        self._last: tuple[Floats, Floats] | None = None  # sample, where it is no row
         self._forecast: WeatherSheet | None = None
-        self._lanes: dict[str, str] = {}
+        self._end_s = 0.0
 
     def begin(self, header: FlightHeader) -> None:
         """See `Recorder.begin`.
@@ -66,16 +72,12 @@ class RerunRecorder:
         """
         self._header = header
         self._times = FlightTimes(header.plan.departure_s)
+        self._planned_end_s = float(header.reference.end_time_s[-1])
         chart = Chart(header.grid)
-        self._columns = SampleColumns(self._times)
         self._scene = Scene(header, chart)
-        self._weather = WeatherLayer(chart, self._times, header.stage_s)
-        blueprint = flight_blueprint(
-            chart.extent,
-            heights_by=self._scene.heights_by,
-            begin_s=float(header.reference.start_time_s[0]),
-            end_s=float(header.reference.end_time_s[-1]),
-        )
+        self._rows = FlownRows(header, self._times, self._scene.heights_by)
+        self._weather = WeatherLayers(chart, self._times, header.stage_s, header.threshold_mps)
+        blueprint = flight_blueprint(header, self._scene, self._planned_end_s)
         stream = rr.RecordingStream("galeway", recording_id=_recording_id(header), send_properties=False)
         stream.set_log_time_enabled(False)
         stream.set_log_tick_enabled(False)
@@ -85,51 +87,96 @@ class RerunRecorder:
             raise RecordingError(
                 f"cannot write {self.partial_path}: {error}; record to another folder"
             ) from error
-        self._stream = stream
-        stream.send_recording_name(f"{header.scenario}, seed {header.seed}")
+        self._stream, self._log = stream, RerunLog(stream, header, self._times)
+        stream.send_recording_name(drawable(f"{header.scenario}, seed {header.seed}"))
         self._scene.draw(stream)
+        for entity, archetype in self._weather.place():
+            stream.log(entity, archetype, static=True)
+        self._draw_plan(float(header.reference.start_time_s[0]), header.plan)
+        self._draw_reference(float(header.reference.start_time_s[0]), header.reference)
         draw_plots(stream, header, self._times)
-        stream.log("card", _card(header, "in flight"), static=True)
+        self._due_s = time.monotonic() + _LONGEST_WAIT_S
+        stream.log("card", _text(run_card(header, "in flight")), static=True)
+        stream.log("verdicts", _text(limits_card(header.limits)), static=True)
 
     def weather(self, sheet: WeatherSheet) -> None:
-        """See `Recorder.weather`; the forecast's edge is drawn into the truth of the same stage."""
+        """See `Recorder.weather`; with the truth of a stage its difference from the forecast is drawn."""
+        self._log.weather(sheet)
+        stream = self._at(sheet.time_s)
+        for entity, archetype in self._weather.layer(sheet):
+            stream.log(entity, archetype)
         if sheet.layer is Layer.FORECAST:
             self._forecast = sheet
             return
-        self._write_rows()
-        self._hazard = sheet.hazard
+        self._write_samples()
+        self._draw()
+        self._rows.hazard = sheet.hazard
         forecast = self._forecast if self._forecast and self._forecast.stage == sheet.stage else sheet
         stream = self._at(sheet.time_s)
-        for entity, archetype in self._weather.draw(sheet, forecast.hazard):
+        for entity, archetype in self._weather.difference(sheet, forecast):
             stream.log(entity, archetype)
 
     def sample(self, state: FlightState, guidance: GuidanceSample) -> None:
         """See `Recorder.sample`; draws one a second, and the last."""
-        if self._columns.add(state, guidance):
-            self._columns.write(self._started)
-        if state.time_s < self._next_s:
-            self._skipped = (state, guidance)
-            return
-        self._skipped = None
-        self._next_s = state.time_s + ROW_S - _SLACK_S
-        self._kept.append((state, guidance))
-        if len(self._kept) >= ROWS_PER_CHUNK:
-            self._write_rows()
+        if self._samples.total == self._told:  # otherwise another recorder has kept it already
+            self._samples.add(state, guidance)
+        self._told += 1
+        if self._told % MOST == 0 or time.monotonic() >= self._due_s:
+            self._write_samples()
 
     def estimate(self, seen: FlightState) -> None:
         """See `Recorder.estimate`; not drawn: the eyes see the flight as it was."""
+        self._log.estimate(seen)
+
+    def reference(self, time_s: float, reference: Reference) -> None:
+        """See `Recorder.reference`."""
+        self._log.reference(time_s, reference)
+        self._draw_reference(time_s, reference)
+
+    def plan(self, issue: PlanIssue) -> None:
+        """See `Recorder.plan`."""
+        self._log.plan(issue)
+        if issue.changed:
+            self._draw_plan(issue.time_s, issue.plan)
+
+    def _draw_plan(self, time_s: float, plan: Plan) -> None:
+        stream = self._at(time_s)
+        for entity, archetype in self._scene.route(plan):
+            stream.log(entity, archetype)
+
+    def _draw_reference(self, time_s: float, reference: Reference) -> None:
+        stream = self._at(time_s)
+        for entity, archetype in flyable(reference):
+            stream.log(entity, archetype)
 
     def event(self, time_s: float, text: str) -> None:
         """See `Recorder.event`."""
-        self._at(time_s).log("events", rr.TextLog(text, level=rr.TextLogLevel.INFO))
+        self._tell(time_s, text)
+        self._log.event(time_s, text)
+
+    def _tell(self, time_s: float, text: str) -> None:
+        self._at(time_s).log("events", rr.TextLog(drawable(text), level=rr.TextLogLevel.INFO))
 
     def finish(self, time_s: float, outcome: Outcome, detail: str) -> None:
-        """See `Recorder.finish`."""
+        """See `Recorder.finish`; of a flight that will be judged the file is finished by `verdicts`."""
         ended = f"{outcome.value.replace('_', ' ')}: {detail}"
-        self.event(time_s, ended)
-        self._started.log("card", _card(self._header, ended), static=True)
-        self._close()
-        self.partial_path.replace(self.path)
+        self._tell(time_s, ended)
+        self._end_s = time_s
+        self._started.log("card", _text(run_card(self._header, ended)), static=True)
+        if time_s > self._planned_end_s:
+            self._make_room(time_s)
+        self._write_last()
+        self._log.finish(time_s, outcome, detail)
+        if not self._judged:
+            self._finish()
+
+    def verdicts(self, verdicts: Sequence[Verdict]) -> None:
+        """Write what came of the limits of a flight that has ended, and give the file its finished name."""
+        self._started.log("verdicts", _text(verdicts_card(verdicts)), static=True)
+        for verdict in verdicts:
+            level = rr.TextLogLevel.INFO if verdict.passed else rr.TextLogLevel.ERROR
+            self._at(self._end_s).log("events", rr.TextLog(drawable(str(verdict)), level=level))
+        self._finish()
 
     def abandon(self) -> None:
         """See `Recorder.abandon`."""
@@ -149,12 +196,18 @@ class RerunRecorder:
         self._times.set(stream, time_s)
         return stream
 
+    def _make_room(self, end_s: float) -> None:
+        """Let limits and time axes reach to the end of a flight that came late."""
+        draw_limits(self._started, self._header, self._times, np.array([end_s]))
+        rr.send_blueprint(flight_blueprint(self._header, self._scene, end_s), recording=self._started)
+
+    def _finish(self) -> None:
+        self._close()
+        self.partial_path.replace(self.path)
+
     def _close(self) -> None:
-        """Write what is left, the last sample too, and close the file."""
-        if self._skipped is not None:
-            self._kept.append(self._skipped)
-        self._write_rows()
-        self._columns.write(self._started)
+        """Write what is left and close the file."""
+        self._write_last()
         stream, self._stream = self._started, None
         try:
             stream.flush()
@@ -165,57 +218,38 @@ class RerunRecorder:
         finally:
             stream.disconnect()
 
-    def _write_rows(self) -> None:
-        """Write the samples kept since the last time."""
-        if not self._kept:
+    def _write_samples(self) -> None:
+        """Write the samples that wait; the first of every second becomes a row to be drawn."""
+        self._due_s = time.monotonic() + _LONGEST_WAIT_S
+        state, guidance = self._samples.between(self._written, self._told)
+        self._written = self._told
+        self._log.samples(state, guidance)
+        if not len(state):
             return
-        states = np.array([state for state, _ in self._kept])
-        guidance = np.array([sample[:-1] for _, sample in self._kept])
-        self._kept.clear()
-        state = dict(zip(FlightState._fields, states.T, strict=True))
-        _, across_m, above_m, late_s, phase = guidance.T
-        times = self._times.columns(state["time_s"])
-        for entity, lines in plot_values(state, late_s, above_m, across_m).items():
-            self._started.send_columns(entity, times, scalars(lines))
-        self._write_track(state)
-        self._write_lanes(state, phase)
+        rows = firsts(state[:, 0], self._last_s)
+        self._last_s = float(state[-1, 0])
+        self._undrawn.append((state[rows], guidance[rows]))
+        is_row = len(rows) and rows[-1] == len(state) - 1
+        self._last = None if is_row else (state[-1:].copy(), guidance[-1:].copy())
+        if sum(len(rows) for rows, _ in self._undrawn) >= ROWS_PER_CHUNK:
+            self._draw()
 
-    def _write_track(self, state: Mapping[str, Floats]) -> None:
-        """The flown line since the last rows, and the aircraft's place and heading."""
-        north_m, east_m = self._header.grid.frame.to_plane(state["lat_rad"], state["lon_rad"])
-        up_km = state["altitude_m"] / 1000.0 * self._scene.heights_by
-        track = np.column_stack([east_m / 1000.0, north_m / 1000.0, up_km])
-        strip = np.concatenate([self._track_end, track])
-        self._track_end = track[-1:]
-        stream, now = self._started, self._times.columns(state["time_s"][-1:])
-        stream.send_columns("chart/flown", now, rr.LineStrips2D.columns(strips=[south(strip[:, :2])]))
-        stream.send_columns("scene/flown", now, rr.LineStrips3D.columns(strips=[strip]))
-        # The last row and every fifth before it, so never none: the viewer fails on an empty chunk.
-        posed = slice((len(track) - 1) % POSE_STRIDE, None, POSE_STRIDE)
-        times, half_rad = self._times.columns(state["time_s"][posed]), state["heading_rad"][posed] / 2.0
-        turn = np.column_stack([np.zeros((len(half_rad), 2)), np.sin(half_rad), np.cos(half_rad)])
-        for entity, position, quaternion in (
-            ("chart/aircraft", track[posed] * (1.0, -1.0, 0.0), turn),
-            ("scene/aircraft", track[posed], turn * (1.0, 1.0, -1.0, 1.0)),
-        ):
-            columns = rr.Transform3D.columns(translation=position, quaternion=quaternion)
-            stream.send_columns(entity, times, columns)
+    def _write_last(self) -> None:
+        """Write and draw all samples, the last one too."""
+        self._write_samples()
+        if self._last is not None:
+            self._undrawn.append(self._last)
+            self._last = None
+        self._draw()
 
-    def _write_lanes(self, state: Mapping[str, Floats], phase: Floats) -> None:
-        """Changes of phase, and of hazard at the aircraft."""
-        grid, hazard = self._header.grid, np.zeros(len(phase), np.bool_)
-        if self._hazard is not None:
-            rows, columns = np.rint(grid.indices(state["lat_rad"], state["lon_rad"])).astype(np.int64)
-            hazard = self._hazard[rows.clip(0, grid.rows - 1), columns.clip(0, grid.columns - 1)]
-        lanes = {
-            "lanes/phase": [PHASES[Phase(value)] for value in phase],
-            "lanes/hazard": ["in hazard" if inside else "clear" for inside in hazard],
-        }
-        for entity, names in lanes.items():
-            for time_s, name in zip(state["time_s"], names, strict=True):
-                if name != self._lanes.get(entity):
-                    self._at(float(time_s)).log(entity, rr.StateChange(state=name))
-                    self._lanes[entity] = name
+    def _draw(self) -> None:
+        """Draw the rows that wait."""
+        if not self._undrawn:
+            return
+        state, guidance = (np.concatenate(tables) for tables in zip(*self._undrawn, strict=True))
+        self._undrawn.clear()
+        if len(state):
+            self._rows.write(self._started, state, guidance[:, 1:])
 
 
 def _recording_id(header: FlightHeader) -> str:
@@ -223,5 +257,5 @@ def _recording_id(header: FlightHeader) -> str:
     return f"{header.scenario}-{header.seed}-{zlib.crc32(header.scenario_toml.encode()):08x}"
 
 
-def _card(header: FlightHeader, ended: str) -> rr.TextDocument:
-    return rr.TextDocument(run_card(header, ended), media_type=rr.MediaType.MARKDOWN)
+def _text(markdown: str) -> rr.TextDocument:
+    return rr.TextDocument(drawable(markdown), media_type=rr.MediaType.MARKDOWN)

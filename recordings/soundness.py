@@ -7,13 +7,12 @@ from itertools import pairwise
 
 import numpy as np
 
+from aircraft.reference import Reference
 from recordings.errors import BadRecordingError
 from recordings.figures import clock
+from recordings.gaps import LONGEST_GAP
 from recordings.recorder import Layer
 from recordings.recording import Recording
-
-_LONGEST_GAP = 3.0
-"""Between samples, in units of the usual time between them."""
 
 
 def require_sound(recording: Recording) -> None:
@@ -55,7 +54,7 @@ def _require_rising(recording: Recording) -> None:
         )
     usual_s = float(np.median(steps_s))
     worst = int(np.argmax(steps_s))
-    if steps_s[worst] > _LONGEST_GAP * usual_s:
+    if steps_s[worst] > LONGEST_GAP * usual_s:
         raise BadRecordingError(
             f"samples are missing from {clock(float(time_s[worst]))} to {clock(float(time_s[worst + 1]))}: a "
             f"gap of {float(steps_s[worst]):.2f} s where {usual_s:.2f} s is usual, so the flight cannot be "
@@ -70,6 +69,28 @@ def _require_plan(recording: Recording) -> None:
             f"the plan has {len(plan.waypoints)} waypoints and the reference passes "
             f"{len(reference.waypoint_path_m)}, where both need the same two or more"
         )
+    firsts = recording.first_waypoints
+    for (before, after), (gone, first) in zip(pairwise(recording.references), pairwise(firsts), strict=True):
+        left, passed = len(before.reference.waypoint_path_m), len(after.reference.waypoint_path_m)
+        if not (after.time_s > before.time_s and passed >= 1 and first >= gone):
+            raise BadRecordingError(
+                f"a reference of {after.time_s:.1f} s that passes {passed} waypoints follows one of "
+                f"{before.time_s:.1f} s that passes {left}, where times rise and, of one plan, waypoints "
+                "become no more"
+            )
+    times_s = [issue.time_s for issue in recording.references]
+    for old, new in pairwise(recording.plans):
+        flown = firsts[sum(time_s <= new.time_s for time_s in times_s) - 1]
+        if old.plan.waypoints[:flown] != new.plan.waypoints[:flown]:
+            raise BadRecordingError(
+                f"the plan of {new.time_s:.1f} s begins otherwise than that of {old.time_s:.1f} s, of "
+                f"which {flown} waypoints had been passed"
+            )
+    for issue in recording.references:
+        _require_segments(issue.reference)
+
+
+def _require_segments(reference: Reference) -> None:
     for field in fields(reference):
         if not np.all(np.isfinite(getattr(reference, field.name))):
             raise BadRecordingError(f"{field.name} of the reference is not finite everywhere")
@@ -82,7 +103,7 @@ def _require_hazards(recording: Recording) -> None:
     if not truth or truth[0].time_s > 0.0:
         raise BadRecordingError("the true hazards at departure are missing, so the flight cannot be judged")
     for before, after in pairwise(truth):
-        if after.stage != before.stage + 1 or after.time_s <= before.time_s:
+        if not before.stage <= after.stage <= before.stage + 1 or after.time_s <= before.time_s:
             raise BadRecordingError(
                 f"true hazards of stage {after.stage} at {after.time_s:.0f} s follow those of stage "
                 f"{before.stage} at {before.time_s:.0f} s, where stages come one by one"

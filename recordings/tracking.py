@@ -11,19 +11,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from aircraft.path import Phase
 from aircraft.reference import Reference
 from planner.grid import geodesic_m
 from recordings import tracking_report
 from recordings.clearance import nearest_approach
-from recordings.figures import Extent, Largest, Moment, Places, Spread, Statistics
-from recordings.recorder import FlightHeader, Layer
+from recordings.figures import Extent, Largest, Moment, Spread, Statistics
+from recordings.passing import PASSED_M
+from recordings.quantities import DURATIONS, QUANTITIES
+from recordings.recorder import Layer
 from recordings.recording import Recording
 from recordings.series import Series, measure
 from recordings.soundness import require_sound
-
-Floats = NDArray[np.float64]
 
 ARRIVAL_RADIUS_M = 50.0
 """A flight has arrived when it passed the last waypoint at no more than this distance."""
@@ -36,12 +36,17 @@ class Tracking:
     `outcome`: as recorded; `arrived`: as recomputed from the positions. Lengths and distances are true
     metres, the planned length that of the reference. `flight_time_s`: to the last sample. Errors are
     absolute; `waypoint_time_error_s` is of the waypoints that were reached. `hazard_exposure_s`: time in
-    steady wind (without turbulence) above the threshold. `outside_airspeeds_s`: time below the lowest or
-    above the highest airspeed of the aircraft's envelope, gusts included. `min_clearance_m`: to the centre of
-    the nearest cell whose wind truly exceeds the threshold in that stage, None if there is none at all.
+    steady wind (without turbulence) above the threshold, or in cells that are hazardous for another reason.
+    `outside_airspeeds_s`: time below the lowest or above the highest airspeed of the aircraft's envelope,
+    gusts included. `min_clearance_m`: to the centre of the nearest cell that is truly hazardous in that
+    stage, None if there is none at all.
     `corner_cut_m`: between the plan's waypoints and the reference. `position_estimate_error_m` (horizontal)
-    and `wind_estimate_error_mps`: of what the aircraft believed, where its sensors are not perfect. `worst`:
-    where and when, by the name of a statistic such as "cross_track_m.p95".
+    and `wind_estimate_error_mps`: of what the aircraft believed, where its sensors are not perfect.
+    `delay_s`: at the last waypoint, early negative. `holds`: how often a hold was laid into the reference in
+    flight. `forecasts`: issued in flight; `plan_changes`: how often the plan changed for one; `replanning`:
+    what each did to it; `destination`: where the last plan leads. `level_changes`: how often the last plan
+    changes its altitude, `levels_m`: those it stays at. `worst`: where and when, by the name of a
+    statistic such as "cross_track_m.p95"; `series` and `recording`: what all of it was computed from.
     """
 
     scenario: str
@@ -66,9 +71,18 @@ class Tracking:
     outside_airspeeds_s: float | None
     position_estimate_error_m: Spread
     wind_estimate_error_mps: Spread
+    delay_s: float | None
+    holds: int
+    forecasts: int
+    plan_changes: int
+    destination: str
+    level_changes: int
+    levels_m: tuple[float, ...]
+    replanning: tuple[str, ...]
     outcome_detail: str
     worst: Mapping[str, Moment]
     series: Series
+    recording: Recording
 
     def to_json(self, **extra: float) -> bytes:
         """The report as indented JSON, with `extra` figures behind it."""
@@ -88,7 +102,12 @@ def track(recording: Recording) -> Tracking:
     require_sound(recording)
     header, series, statistics = recording.header, measure(recording), Statistics()
     places = series.samples
-    position_error_m, wind_error_mps = _estimate_errors(recording, statistics)
+    levels_m = tuple(altitude_m for altitude_m, _ in recording.plan.level_flight)
+    changed_s = {issue.time_s for issue in recording.plans[1:] if issue.changed}
+
+    def believed(name: str) -> Spread:
+        return statistics.spread(name, *QUANTITIES[name].measure(series, recording))
+
     return Tracking(
         scenario=header.scenario,
         seed=header.seed,
@@ -106,25 +125,41 @@ def track(recording: Recording) -> Tracking:
         ),
         airspeed_mps=statistics.extent("airspeed_mps", series.airspeed_mps, places),
         wind_mps=statistics.extent("wind_mps", series.wind_mps, places),
-        hazard_exposure_s=_exposure_s(series, header.threshold_mps, statistics),
+        hazard_exposure_s=_duration_s("hazard_exposure_s", series, recording, statistics),
         min_clearance_m=_clearance_m(recording, series, statistics),
         samples=len(series.time_s),
         waypoints_missed=int(np.isnan(series.waypoint_time_error_s).sum()),
         corner_cut_m=statistics.largest("corner_cut_m", series.corner_cut_m, series.planned),
-        outside_airspeeds_s=_outside_airspeeds_s(series, header, statistics),
-        position_estimate_error_m=position_error_m,
-        wind_estimate_error_mps=wind_error_mps,
+        outside_airspeeds_s=_duration_s("outside_airspeeds_s", series, recording, statistics),
+        position_estimate_error_m=believed("position_estimate_error_m"),
+        wind_estimate_error_mps=believed("wind_estimate_error_mps"),
+        delay_s=_delay_s(series, statistics),
+        holds=sum(
+            _begins_with_hold(issue.reference)
+            for issue in recording.references[1:]
+            if issue.time_s not in changed_s
+        ),
+        forecasts=len(recording.plans) - 1,
+        plan_changes=len(changed_s),
+        destination=recording.plan.goal,
+        level_changes=max(len(levels_m) - 1, 0),
+        levels_m=levels_m,
+        replanning=tuple(issue.reason for issue in recording.plans[1:]),
         outcome_detail=recording.outcome_detail,
         worst=statistics.worst,
         series=series,
+        recording=recording,
     )
 
 
 def _arrived(recording: Recording, series: Series, statistics: Statistics) -> bool:
-    """Whether the flight, at the end of the reference, came within the radius of the last waypoint."""
-    reference, last = recording.header.reference, recording.header.plan.waypoints[-1]
-    near_end_m = reference.waypoint_path_m[-1] - ARRIVAL_RADIUS_M * reference.scale[-1]
-    near_end = np.flatnonzero(series.path_m >= near_end_m)
+    """Whether the flight, at the end of the reference, came within the radius of the last waypoint.
+
+    That is the mission's goal, unless the plan led elsewhere in the end.
+    """
+    reference, plan = recording.references[-1].reference, recording.plan
+    last, to_goal = plan.waypoints[-1], plan.goal == recording.header.plan.goal and plan.outcome.reachable
+    near_end = np.flatnonzero(series.to_go_m <= ARRIVAL_RADIUS_M * reference.scale[-1])
     candidates = near_end if len(near_end) else np.arange(len(series.time_s))[-1:]
     if not len(candidates):
         return False
@@ -139,7 +174,21 @@ def _arrived(recording: Recording, series: Series, statistics: Statistics) -> bo
     statistics.note(
         "arrived", distance_m, series.samples, int(candidates[nearest]), "m from the last waypoint"
     )
-    return len(near_end) > 0 and distance_m <= ARRIVAL_RADIUS_M
+    return to_goal and len(near_end) > 0 and distance_m <= ARRIVAL_RADIUS_M
+
+
+def _delay_s(series: Series, statistics: Statistics) -> float | None:
+    delay_s = float(series.waypoint_time_error_s[-1])
+    if math.isnan(delay_s):
+        return None
+    statistics.note("delay_s", delay_s, series.passed, len(series.waypoint_time_error_s) - 1, "s")
+    return delay_s
+
+
+def _begins_with_hold(reference: Reference) -> bool:
+    """Whether it circles before its first waypoint; waits of the plan are at waypoints."""
+    circling = reference.start_m[reference.phase == Phase.LOITER]
+    return len(circling) > 0 and float(circling[0]) < float(reference.waypoint_path_m[0]) - PASSED_M
 
 
 def _length_m(reference: Reference) -> float:
@@ -155,51 +204,14 @@ def _flown_m(series: Series) -> float:
     return float(np.sum(geodesic_m(lat_rad[:-1], lon_rad[:-1], lat_rad[1:], lon_rad[1:])))
 
 
-def _estimate_errors(recording: Recording, statistics: Statistics) -> tuple[Spread, Spread]:
-    """How far off the aircraft believed itself, horizontally, and the steady wind."""
-    times_s = recording.state["time_s"]
-    flight = (recording.estimate["time_s"] >= 0.0) & np.isin(recording.estimate["time_s"], times_s)
-    believed = recording.estimate[flight]
-    true = recording.state[np.searchsorted(times_s, believed["time_s"])]
-    places = Places(true["time_s"], np.degrees(true["lat_rad"]), np.degrees(true["lon_rad"]))
-    position_m = geodesic_m(true["lat_rad"], true["lon_rad"], believed["lat_rad"], believed["lon_rad"])
-    wind_mps = np.hypot(
-        believed["wind_north_mps"] - true["wind_north_mps"],
-        believed["wind_east_mps"] - true["wind_east_mps"],
-        dtype=np.float64,
-    )
-    return (
-        statistics.spread("position_estimate_error_m", position_m, places),
-        statistics.spread("wind_estimate_error_mps", wind_mps, places),
-    )
-
-
-def _exposure_s(series: Series, threshold_mps: float, statistics: Statistics) -> float | None:
+def _duration_s(name: str, series: Series, recording: Recording, statistics: Statistics) -> float | None:
     if not len(series.time_s):
         return None
-    strongest = int(np.argmax(series.wind_mps))
-    wind_mps = float(series.wind_mps[strongest])
-    statistics.note("hazard_exposure_s", wind_mps, series.samples, strongest, "m/s of wind")
-    return _time_s(series, series.wind_mps > threshold_mps)
-
-
-def _outside_airspeeds_s(series: Series, header: FlightHeader, statistics: Statistics) -> float | None:
-    if not len(series.time_s):
-        return None
-    beyond_mps = np.maximum(
-        header.airspeed_min_mps - series.airspeed_mps, series.airspeed_mps - header.airspeed_max_mps
-    )
-    farthest = int(np.argmax(beyond_mps))
-    airspeed_mps = float(series.airspeed_mps[farthest])
-    statistics.note("outside_airspeeds_s", airspeed_mps, series.samples, farthest, "m/s of airspeed")
-    return _time_s(series, beyond_mps > 0.0)
-
-
-def _time_s(series: Series, chosen: NDArray[np.bool_]) -> float:
-    """Each sample stands for the time to the next one, the last for as long as the one before it."""
-    steps_s = np.diff(series.time_s)
-    lasting_s = np.append(steps_s, steps_s[-1:] if len(steps_s) else math.inf)
-    return float(lasting_s[chosen].sum())
+    unit, measure_beyond = DURATIONS[name]
+    beyond, shown = measure_beyond(series, recording)
+    farthest = int(np.argmax(beyond))
+    statistics.note(name, float(shown[farthest]), series.samples, farthest, unit)
+    return float(series.samples.lasting_s()[beyond > 0.0].sum())
 
 
 def _clearance_m(recording: Recording, series: Series, statistics: Statistics) -> float | None:

@@ -12,7 +12,7 @@ from recordings.figures import Spread, clock
 if TYPE_CHECKING:
     from recordings.tracking import Tracking
 
-NOT_REPORTED = ("outcome_detail", "worst", "series")
+NOT_REPORTED = ("levels_m", "replanning", "outcome_detail", "worst", "series", "recording")
 """What a tracking holds beside the figures of its report."""
 
 _DIGITS = 6
@@ -20,16 +20,17 @@ _DIGITS = 6
 
 def report_json(tracking: Tracking, extra: Mapping[str, float]) -> bytes:
     """The figures in their order, then the extra ones."""
-    report = {name: _plain(value) for name, value in figures(tracking).items()}
-    return (
-        json.dumps(report | {name: _plain(value) for name, value in extra.items()}, indent=1).encode() + b"\n"
-    )
+    report = plain_report(tracking)
+    report |= {"levels_m": list(tracking.levels_m)} if tracking.level_changes else {}
+    report |= {"replanning": list(tracking.replanning)} if tracking.replanning else {}
+    report |= {name: _plain(value) for name, value in extra.items()}
+    return json.dumps(report, indent=1).encode() + b"\n"
 
 
-def figures(tracking: Tracking) -> dict[str, Any]:
-    """The fields that are reported, by name."""
+def plain_report(tracking: Tracking) -> dict[str, Any]:
+    """The figures that are reported, by name, as JSON knows them."""
     names = [field.name for field in fields(tracking) if field.name not in NOT_REPORTED]
-    return {name: getattr(tracking, name) for name in names}
+    return {name: _plain(getattr(tracking, name)) for name in names}
 
 
 def _plain(value: Any) -> Any:
@@ -53,6 +54,14 @@ def summary(tracking: Tracking) -> str:
         f"altitude error       {_spread(tracking.altitude_error_m, 'm')}",
         f"waypoint time error  {_spread(tracking.waypoint_time_error_s, 's')}",
     ]
+    if tracking.level_changes:
+        levels = ", ".join(f"{level_m:.0f}" for level_m in tracking.levels_m)
+        lines.append(f"levels               {levels} m, {tracking.level_changes} changes")
+    if tracking.holds:
+        lines.append(f"held to lose time    {tracking.holds} ×")
+    if tracking.forecasts:
+        lines.append(f"plan changed         {tracking.plan_changes} ×, at {tracking.forecasts} forecasts")
+        lines += [f"  {told}" for told in tracking.replanning]
     if tracking.waypoints_missed:
         lines.append(f"waypoints missed     {tracking.waypoints_missed}")
     believed = [
@@ -64,9 +73,9 @@ def summary(tracking: Tracking) -> str:
             *lines,
             f"corners cut by       {tracking.corner_cut_m.max:.1f} m at most",
             f"airspeed             {tracking.airspeed_mps.min:.1f} to {tracking.airspeed_mps.max:.1f} m/s, "
-            f"outside the envelope for {tracking.outside_airspeeds_s:.0f} s",
+            f"outside the envelope for {tracking.outside_airspeeds_s:.1f} s",
             f"wind                 {tracking.wind_mps.min:.1f} to {tracking.wind_mps.max:.1f} m/s",
-            f"in hazardous wind    {tracking.hazard_exposure_s:.1f} s (steady wind){_clearance(tracking)}",
+            f"in hazard            {tracking.hazard_exposure_s:.1f} s{_clearance(tracking)}",
             *(believed if tracking.position_estimate_error_m.mean is not None else []),
         ]
     )

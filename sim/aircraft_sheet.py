@@ -39,6 +39,7 @@ def _envelope_lines(aircraft: AircraftFolder, envelope: Envelope, stand: TrimSta
     yield "envelope: what trims at sea level and ceiling, with full and empty tank, straight and at the bank"
     yield f"  airspeed   {envelope.airspeed_min_mps:.1f} to {envelope.airspeed_max_mps:.1f} m/s true"
     yield f"  cruise     {envelope.cruise_mps:.1f} m/s, climbing up to {envelope.climb_max_mps:.1f} m/s"
+    yield f"  descent    up to {envelope.descent_max_mps:.1f} m/s"
     yield f"  bank       {limits.bank_max_deg:.0f}°"
     yield f"  ceiling    {envelope.ceiling_m:.0f} m"
     yield (

@@ -11,7 +11,7 @@ from typing import Any, NoReturn
 import click
 from click.core import ParameterSource
 
-from sim.cli_options import FAILED, load, print_plan
+from sim.cli_options import FAILED, load, print_other_hazards, print_plan, tell
 
 WEIGHTS = {"alpha": 1.0, "beta": 1.0, "gamma": 0.1, "delta": 0.1, "clearance_cap_cells": 30.0}
 _OF_WEIGHTS = (
@@ -110,6 +110,9 @@ def _refuse(names: Sequence[str], why: str) -> None:
     context = click.get_current_context()
     for option in context.command.params:
         if option.name in names and context.get_parameter_source(option.name) is ParameterSource.COMMANDLINE:
+            if isinstance(option, click.Argument):
+                given = context.params[option.name]
+                raise click.UsageError(f"give the scenario {given!r} or --hazards, not both")
             raise click.UsageError(f"{option.opts[-1]} {why}")
 
 
@@ -140,12 +143,13 @@ def _plan_scenario(
     from sim.plan_job import PlanFiles, plan_job
     from sim.plan_text import utc
 
-    planned = plan_job(loaded, departing, PlanFiles(out, exports, isochrones))
+    planned = plan_job(loaded, departing, PlanFiles(out, exports, isochrones), tell)
     if as_json:
         click.echo(planned.to_json(), nl=False)
     else:
         if planned.table is not None:
             click.echo(f"{planned.table.text(utc(loaded.scenario.mission.departure_s))}\n")
+        print_other_hazards(loaded)
         for made in planned.plans:
             print_plan(made, loaded.scenario.planner.abstain_below, goal_alone=distinct)
     sys.exit(0 if planned.passed else FAILED)

@@ -10,10 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from planner.compare import compare
-from planner.comparison_picture import check_picture, draw
+from planner.comparison_picture import draw
 from planner.comparison_table import rows_table, summary_table
 from planner.hazards import hazard_stages
 from planner.peers import PEERS, Peer, PeerRoute, TrackPoint
+from planner.pictures import check_picture
 from planner.planning import PlanningRequest, staged_problem
 from planner.plans import Plan
 from planner.staged import Cell, StagedProblem
@@ -50,16 +51,24 @@ def compare_planners(
             raise SimError(f"no planner is named {name!r}; there are {', '.join(known)}")
     if picture is not None:
         check_picture(picture)
-    scenario, weather = loaded.scenario, bring_weather(loaded)
-    request = planning_request(scenario, make_aircraft(scenario, loaded.folder))
+    scenario = loaded.scenario
+    if scenario.mission.levels_m:
+        raise SimError(
+            "planners are set side by side at one altitude, and mission.levels_m names others; leave it out "
+            "with --set mission.levels_m=[]"
+        )
+    weather = bring_weather(loaded)
+    request = planning_request(scenario, weather, make_aircraft(scenario, loaded.folder))
     problem = staged_problem(weather.forecast, request)
     grid = weather.forecast.grid
     truth = hazard_stages(
-        weather.truth.at_altitude(request.altitude_m).resampled(grid),
+        weather.truth.level(request.altitude_m, grid),
         request.clock,
         threshold_mps=request.threshold_mps,
         corridor_m=0.0,
     )
+    if weather.also.true is not None:
+        truth |= weather.also.true
     start = request.start.cell(grid, "start")
     goals = [(goal.cell(grid, "goal"), goal.name) for goal in request.goals]
     peers = {**PEERS, WINDAWARE: _windaware(weather.forecast, request)}
@@ -73,7 +82,7 @@ def compare_planners(
         progress=progress,
     )
     if picture is not None:
-        draw(problem, start, rows, picture)
+        draw(problem, grid, start, rows, picture)
     return f"{rows_table(rows, goals)}\n\n{summary_table(rows)}"
 
 

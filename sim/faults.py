@@ -12,6 +12,10 @@ Wind = Callable[[float, float, float, float], tuple[float, float, float]]
 """(time [s], latitude [rad], longitude [rad], altitude [m]) -> wind north, east, down [m/s, toward]."""
 
 
+_OF_WIND = (FaultKind.WIND_STEP, FaultKind.WIND_NAN)
+_SEEN_AHEAD_S = 1.0  # the wind is looked at a round of guidance ahead, which is a second at most
+
+
 def disturbed(wind: Wind, faults: Sequence[Fault], departure_s: float) -> Wind:
     """The wind with the faults that lie in it; the wind itself where there are none.
 
@@ -20,7 +24,7 @@ def disturbed(wind: Wind, faults: Sequence[Fault], departure_s: float) -> Wind:
         faults: of the flight; those of the aircraft are passed over.
         departure_s: when the faults' times begin, on the wind's clock.
     """
-    steps = [fault for fault in faults if fault.kind in (FaultKind.WIND_STEP, FaultKind.WIND_NAN)]
+    steps = [fault for fault in faults if fault.kind in _OF_WIND]
     if not steps:
         return wind
 
@@ -40,14 +44,12 @@ def disturbed(wind: Wind, faults: Sequence[Fault], departure_s: float) -> Wind:
     return with_steps
 
 
-def of_aircraft(faults: Sequence[Fault]) -> list[Fault]:
-    """The faults of the aircraft itself, in the order of their times."""
-    kinds = (FaultKind.ENGINE_FAILURE, FaultKind.FUEL_LOSS, FaultKind.STATE_NAN)
-    return sorted((fault for fault in faults if fault.kind in kinds), key=lambda fault: fault.time_s)
-
-
 def strike(fault: Fault, aircraft: JsbsimAircraft) -> str:
-    """Bring about a fault of the aircraft; what that was, in words."""
+    """Bring about a fault of the aircraft; what that was, in words. One of the wind lies in `disturbed`."""
+    if fault.kind is FaultKind.WIND_STEP:
+        return f"fault: the wind changes by {math.hypot(fault.north_mps, fault.east_mps):g} m/s"
+    if fault.kind is FaultKind.WIND_NAN:
+        return "fault: the wind becomes not a number"
     if fault.kind is FaultKind.ENGINE_FAILURE:
         aircraft.stop_engine()
         return "fault: the engine is stopped"
@@ -56,3 +58,13 @@ def strike(fault: Fault, aircraft: JsbsimAircraft) -> str:
         return f"fault: the fuel is drained to {fault.fuel_kg:g} kg"
     aircraft.drain_fuel(math.nan)
     return "fault: the fuel's mass becomes not a number"
+
+
+def missed(faults: Sequence[Fault], end_s: float) -> list[str]:
+    """The faults that a flight was over before, in words; `end_s` since departure."""
+    return [
+        f"warning: the fault {fault.kind} of {fault.time_s:g} s did not strike; "
+        f"the flight ended at {end_s:.0f} s"
+        for fault in faults
+        if fault.time_s > end_s + (_SEEN_AHEAD_S if fault.kind in _OF_WIND else 0.0)
+    ]

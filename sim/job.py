@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryFile
 
+import recordings
 from planner.plans import Plan
-from recordings.limits import Verdict, judge, parse_limits
-from recordings.mcap_reader import read
+from recordings.limits import Limit, Verdict, judge, parse_limits
 from recordings.mcap_writer import McapRecorder
 from recordings.recorder import Recorders
 from recordings.rerun_writer import RerunRecorder
+from recordings.samples import Samples
 from recordings.tracking import Tracking, track
-from sim.closed_loop import End, fly
+from sim.closed_loop import End, FlightSetup, fly
+from sim.endurance import short_of_fuel
 from sim.errors import SimError
+from sim.faults import missed
 from sim.preparation import make_aircraft, make_plan, prepare_flight
 from sim.scenario import LoadedScenario
 from sim.weather.source import bring_weather
@@ -43,6 +48,11 @@ class Files:
         return self.folder / "flight.rrd"
 
     @property
+    def rerun_partial(self) -> Path:
+        """The same while it is being written."""
+        return RerunRecorder(self.rerun).partial_path
+
+    @property
     def report(self) -> Path:
         """The tracking report, JSON."""
         return self.folder / "report.json"
@@ -64,6 +74,7 @@ def run(
     *,
     on_plan: Callable[[Plan], object],
     on_time: Callable[[float], object],
+    tell: Callable[[str], object],
 ) -> Flown | None:
     """Plan, fly, record, and judge from the recording.
 
@@ -72,6 +83,8 @@ def run(
         files: where everything goes; files of an earlier job there are replaced.
         on_plan: told the plan, before the flight.
         on_time: told the time since departure [s] all through the flight.
+        tell: told what a user has to know besides: a plan that the tanks do not suffice for, files that are
+            replaced, faults that did not strike.
 
     Returns:
         The flight, or None if the plan says that its goal cannot be reached, or not with the chance to
@@ -82,33 +95,84 @@ def run(
     """
     scenario = loaded.scenario
     limits = parse_limits(scenario.limits)
+    _check_room(files)
     aircraft = make_aircraft(scenario, loaded.folder)
     weather = bring_weather(loaded)
     plan = make_plan(scenario, weather, aircraft)
     on_plan(plan)
+    short = short_of_fuel(plan, aircraft.folder, aircraft.envelope.cruise_mps, scenario.mission.altitude_m)
+    if short:
+        tell(short)
     flyable = bool(plan.waypoints) and not plan.outcome.abstained
     setup = prepare_flight(loaded, weather, plan, aircraft) if flyable else None
-    _make_room(files)
+    _make_room(files, "replaced" if setup else "nothing is flown; removed", tell)
     write_whole(files.plan, plan.to_json())
     if setup is None:
         return None
+    samples = Samples()
+    mcap, rerun = McapRecorder(files.mcap, samples), RerunRecorder(files.rerun, samples, judged=True)
+    try:
+        flown = _fly_and_judge(setup, files, mcap, rerun, limits, on_time)
+    except BaseException:
+        rerun.abandon()
+        raise
+    for text in missed(setup.faults, flown.end.time_s):
+        tell(text)
+    return flown
+
+
+def _fly_and_judge(
+    setup: FlightSetup,
+    files: Files,
+    mcap: McapRecorder,
+    rerun: RerunRecorder,
+    limits: Sequence[Limit],
+    on_time: Callable[[float], object],
+) -> Flown:
+    """Fly and record, then read the recording back and judge it; the verdicts go to the eyes, too."""
     begin_s = time.perf_counter()
-    end = fly(setup, Recorders([McapRecorder(files.mcap), RerunRecorder(files.rerun)]), on_time)
+    end = fly(setup, Recorders([mcap, rerun]), on_time)
     factor = (end.time_s + setup.lead_in_s) / (time.perf_counter() - begin_s)
-    tracking = track(read(files.mcap))
+    tracking = track(recordings.open(files.mcap))
     write_whole(files.report, tracking.to_json(real_time_factor=round(factor, 1)))
-    return Flown(end, tracking, judge(tracking, limits) if limits else [], factor)
+    verdicts = judge(tracking, limits) if limits else []
+    rerun.verdicts(verdicts)
+    return Flown(end, tracking, verdicts, factor)
 
 
-def _make_room(files: Files) -> None:
-    """Make the folder and take away what an earlier job left, finished or not."""
+def _check_room(files: Files) -> None:
+    """Find out before the planning whether the folder can be written to; nothing of that stays."""
+    missing: list[Path] = []
+    try:
+        missing = [folder for folder in (files.folder, *files.folder.parents) if not folder.exists()]
+        files.folder.mkdir(parents=True, exist_ok=True)
+        with TemporaryFile(dir=files.folder):
+            pass
+    except OSError as error:
+        raise _unusable(files, error) from error
+    finally:
+        for folder in missing:
+            with suppress(OSError):  # it was never made
+                folder.rmdir()
+
+
+def _make_room(files: Files, what: str, tell: Callable[[str], object]) -> None:
+    """Make the folder and take away what an earlier job left, finished or not; `what` is said to be done."""
     try:
         files.folder.mkdir(parents=True, exist_ok=True)
-        for pattern in ("plan.json", "report.json", "flight.mcap", "flight.rrd", "flight.partial.*"):
-            for path in files.folder.glob(pattern):
-                path.unlink()
+        patterns = ("plan.json", "report.json", "flight.mcap", "flight.rrd", "flight.partial.*")
+        earlier = [path for pattern in patterns for path in files.folder.glob(pattern)]
+        for path in earlier:
+            path.unlink()
     except OSError as error:
-        raise SimError(f"cannot write to {files.folder}: {error.strerror}; choose another --out") from error
+        raise _unusable(files, error) from error
+    if earlier:
+        names = ", ".join(path.name for path in earlier)
+        tell(f"{what} in {files.folder}, from an earlier flight: {names}")
+
+
+def _unusable(files: Files, error: OSError) -> SimError:
+    return SimError(f"cannot write to {files.folder}: {error.strerror}; choose another --out")
 
 
 def write_whole(path: Path, content: bytes) -> None:

@@ -6,12 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 import planner
 from planner.ground import Cell
 from sim.departing import Departing
 from sim.errors import SimError
+from sim.matrix_file import read_matrices
 from sim.plan_job import write_isochrones
 
 
@@ -62,14 +61,14 @@ def plan_matrices(
             "--blur-cells blurs the share of members for survival; add --objective survival or --members KEY"
         )
     if members_key is not None:
-        how["members"] = _matrices(path, members_key)
-    hazards = _matrices(path, key)
+        how["members"] = read_matrices(path, members_key, ask="--members")
+    hazards = read_matrices(path, key)
     if index is not None:
         if hazards.ndim == 0 or not -len(hazards) <= index < len(hazards):
             sets = len(hazards) if hazards.ndim else 0
             raise SimError(f"--index {index} is outside the {sets} sets of {path}; count from 0")
         hazards = hazards[index]
-    begin, ends = _cell(start), [_cell(goal) for goal in goals]
+    begin, ends = cell_of(start, "--start"), [cell_of(goal, "--goal") for goal in goals]
     if isochrones is not None:
         _write_isochrones(isochrones, hazards, begin, departing, how)
     if departing is None:
@@ -103,29 +102,10 @@ def _write_isochrones(
     write_isochrones(path, planner.isochrones(hazards, start, **asked))
 
 
-def _matrices(path: Path, key: str | None) -> Any:
-    try:
-        loaded = np.load(path, allow_pickle=False)
-    except (OSError, ValueError, EOFError) as error:
-        raise SimError(f"cannot read hazard matrices from {path}: {error}; give .npz or .npy") from error
-    if isinstance(loaded, np.ndarray):
-        if key is not None:
-            raise SimError(f"{path} holds one array, without a name; leave {key!r} out, or give an .npz")
-        return loaded
-    with loaded:
-        names = list(loaded.files)
-        name = names[0] if key is None and len(names) == 1 else key
-        if name not in names:
-            raise SimError(f"{path} holds {', '.join(names) or 'nothing'}; name one with --key, not {key!r}")
-        try:
-            return loaded[name]
-        except (OSError, ValueError) as error:
-            raise SimError(f"cannot read {name!r} of {path}: {error}") from error
-
-
-def _cell(text: str) -> Cell:
+def cell_of(text: str, option: str) -> Cell:
+    """A cell as it is written on the command line, in an option of that name."""
     try:
         row, column = (int(part) for part in text.split(","))
     except ValueError:
-        raise SimError(f"the cell {text!r} is not of the form ROW,COLUMN, such as 37,251") from None
+        raise SimError(f"{option} {text!r} is not of the form ROW,COLUMN, such as 37,251") from None
     return row, column

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from planner.planning import StagedMission
 from planner.plans import Plan
 from planner.staged_departures import plan_departures
 from sim.departing import Departing
+from sim.endurance import short_of_fuel
 from sim.errors import SimError
 from sim.preparation import make_aircraft, make_plan, planning_request
 from sim.scenario import LoadedScenario
@@ -56,7 +58,9 @@ class Planned:
         return msgspec.json.format(msgspec.json.encode(answer), indent=1) + b"\n"
 
 
-def plan_job(loaded: LoadedScenario, departing: Departing | None, files: PlanFiles) -> Planned:
+def plan_job(
+    loaded: LoadedScenario, departing: Departing | None, files: PlanFiles, tell: Callable[[str], object]
+) -> Planned:
     """Bring the weather, plan, and write the files.
 
     A plan without a route, or one that its chance to survive speaks against, is not exported.
@@ -65,6 +69,7 @@ def plan_job(loaded: LoadedScenario, departing: Departing | None, files: PlanFil
         loaded: the scenario.
         departing: the departures to choose from; without, the mission's own.
         files: what to write; of a fleet (`departing.distinct`) one file a goal, the goal's name in its name.
+        tell: told of plans that the tanks do not suffice for.
 
     Raises:
         SimError: if options do not go together; PlannerError for what the planner or a writer refuses.
@@ -75,18 +80,24 @@ def plan_job(loaded: LoadedScenario, departing: Departing | None, files: PlanFil
     if departing is not None:
         found = plan_departures(
             weather.forecast,
-            planning_request(scenario, aircraft),
+            planning_request(scenario, weather, aircraft),
             departing.slots_min,
             best_by=departing.best_by,
             distinct=departing.distinct,
         )
         planned = Planned(found.plans, found.table, found.served)
     elif files.isochrones is not None:
-        mission = StagedMission.prepare(weather.forecast, planning_request(scenario, aircraft))
+        mission = StagedMission.prepare(weather.forecast, planning_request(scenario, weather, aircraft))
         write_isochrones(files.isochrones, sweep_arrivals(mission.problem.ground, mission.start).field())
         planned = Planned((mission.plan(),), None, True)
     else:
         planned = Planned((make_plan(scenario, weather, aircraft),), None, True)
+    for plan in planned.plans:
+        short = short_of_fuel(
+            plan, aircraft.folder, aircraft.envelope.cruise_mps, scenario.mission.altitude_m
+        )
+        if short:
+            tell(short)
     _write(planned.plans, files, fleet=departing is not None and departing.distinct)
     return planned
 
@@ -108,11 +119,16 @@ def write_isochrones(path: Path, field: NDArray[np.int32]) -> None:
 
 def _check(loaded: LoadedScenario, departing: Departing | None, files: PlanFiles) -> None:
     kind = loaded.scenario.planner.kind
+    and_levels = " --set mission.levels_m=[]" if loaded.scenario.mission.levels_m else ""
     for option, wanted in (("--departures", departing is not None), ("--isochrones", bool(files.isochrones))):
         if wanted and kind != "staged":
             raise SimError(
                 f"{option} needs the staged planner, and planner.kind is {kind}; add --planner staged"
+                f"{and_levels}"
             )
+    for path in (files.out, *files.exports, files.isochrones):
+        if path is not None and not path.parent.is_dir():
+            raise SimError(f"there is no folder {path.parent} for {path.name}; make it first")
     if departing is not None and files.isochrones is not None:
         raise SimError(
             "--isochrones belong to one departure; leave out --departures, or set mission.departure instead"

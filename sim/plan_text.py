@@ -15,6 +15,9 @@ def plan_lines(plan: Plan, *, goal_alone: bool = False) -> Iterator[str]:
     for goal in [plan.outcome] if goal_alone else plan.goals:
         mark = ">" if goal.name == plan.goal else " "
         yield f" {mark} {goal.name:14s} {_goal_line(goal)}"
+    if len(plan.level_flight) > 1:
+        (first_m, _), *others = plan.level_flight
+        yield f"   levels to {plan.goal}: {first_m:.0f} m{''.join(_level(*other) for other in others)}"
 
 
 def why_not_flown(plan: Plan, abstain_below: float) -> str | None:
@@ -47,6 +50,10 @@ def _goal_line(goal: GoalOutcome) -> str:
         f"{_hours(goal.arrival_s)} h (earliest {_hours(goal.earliest_arrival_s)}), "
         f"{goal.length_m / 1000.0:.0f} km{waits}{clear}{_fuel(goal)}{_survival(goal)}"
     )
+
+
+def _level(altitude_m: float, from_s: float) -> str:
+    return f", {altitude_m:.0f} m from {_hours(from_s)} h"
 
 
 def _fuel(goal: GoalOutcome) -> str:

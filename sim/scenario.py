@@ -12,8 +12,13 @@ from typing import Annotated, Any, Literal
 
 from msgspec import Meta, Struct
 
-from aircraft.tables import TableError, convert, nearest, read_toml
+from aircraft.mistakes import nearest
+from aircraft.tables import TableError, convert, read_toml
 from sim.errors import ScenarioError
+from sim.hazard_tables import Hazard, check_hazard
+from sim.level_checks import check_levels, check_sounding
+from sim.overrides import put
+from sim.weather_tables import Weather
 
 BUILT_IN_FOLDER = Path(__file__).parent / "scenarios"
 
@@ -21,6 +26,14 @@ Positive = Annotated[float, Meta(gt=0.0)]
 NotNegative = Annotated[float, Meta(ge=0.0)]
 Chance = Annotated[float, Meta(ge=0.0, le=1.0)]
 Count = Annotated[int, Meta(ge=1)]
+FileName = Annotated[
+    str,
+    Meta(
+        pattern="^[A-Za-z0-9][A-Za-z0-9_.-]*$",
+        description='letters, digits, "_", "." and "-" alone, a letter or a digit first',
+    ),
+]
+Altitude = Annotated[float, Meta(ge=50.0, le=6000.0)]
 Latitude = Annotated[float, Meta(ge=-80.0, le=80.0)]
 Longitude = Annotated[float, Meta(ge=-180.0, le=360.0)]
 
@@ -36,39 +49,27 @@ class PlaceTable(Struct, frozen=True):
 class Mission(Struct, frozen=True):
     """Where from, where to, when and how high.
 
-    `goals` are all planned in the same sweep; `goal` names the one that is flown.
+    `goals` are all planned in the same sweep; `goal` names the one that is flown. Flights begin and end at
+    `altitude_m`; between, the wind-aware planner may change to one of `levels_m`.
     """
 
     departure: datetime
     start: PlaceTable
     goals: Annotated[tuple[PlaceTable, ...], Meta(min_length=1)]
     goal: str
-    altitude_m: Annotated[float, Meta(ge=50.0, le=6000.0)] = 1000.0
+    altitude_m: Altitude = 1000.0
+    levels_m: Annotated[tuple[Altitude, ...], Meta(max_length=8)] = ()
+
+    @property
+    def all_levels_m(self) -> tuple[float, ...]:
+        """The flight's altitude and the levels that the planner may change to, rising."""
+        return tuple(sorted({self.altitude_m, *self.levels_m}))
 
     @property
     def departure_s(self) -> float:
         """Departure, seconds since 1970-01-01 UTC; a time without an offset is UTC."""
         departure = self.departure
         return (departure if departure.tzinfo else departure.replace(tzinfo=UTC)).timestamp()
-
-
-class Truth(Struct, frozen=True):
-    """How the wind that is flown through differs from the forecast: `speed_factor` times as strong."""
-
-    speed_factor: Positive = 1.0
-
-
-class Weather(Struct, frozen=True):
-    """Where the wind comes from: a built-in storm by its HURDAT2 id, or a CF NetCDF file of one's own.
-
-    `variables`: names of the eastward and the northward wind, for a file that has several. It is the
-    forecast, and the truth too but for what `truth` says.
-    """
-
-    storm: str | None = None
-    file: str | None = None
-    variables: tuple[str, str] | None = None
-    truth: Truth = Truth()
 
 
 class GridTable(Struct, frozen=True):
@@ -89,25 +90,14 @@ class Stages(Struct, frozen=True):
     step_s: Positive = 120.0
 
 
-class Hazard(Struct, frozen=True):
-    """What is dangerous: wind above the threshold, anywhere within a corridor around the path.
-
-    `forecast_error_mps`: standard deviation of the forecast's wind speed, from which the chance to survive is
-    computed; 0 takes the forecast as right.
-    """
-
-    threshold_mps: Positive = 15.0
-    corridor_m: NotNegative = 1100.0
-    forecast_error_mps: NotNegative = 0.0
-
-
 class PlannerTable(Struct, frozen=True):
     """Which planner, which of a goal's arrivals, and the weights of the score (equation 2 of the paper).
 
     `staged` is the paper's; `windaware` flies legs of any course at cruise airspeed, and
     for fuel at others. `airspeed_margin_mps` is what the planner leaves of the aircraft's envelope at
     either end, so that the flight can make up for gusts and corners. A plan whose chance to survive lies
-    below `abstain_below` is shown but not flown.
+    below `abstain_below` is shown but not flown. With `replan` the planner runs again in flight,
+    at the forecast of each stage; `if_unreachable` is what it tries first where no route to the goal is left.
     """
 
     kind: Literal["staged", "windaware"] = "staged"
@@ -119,6 +109,8 @@ class PlannerTable(Struct, frozen=True):
     clearance_cap_cells: NotNegative = 30.0
     airspeed_margin_mps: NotNegative = 2.0
     abstain_below: Chance = 0.0
+    replan: Literal["never", "each_stage"] = "never"
+    if_unreachable: Literal["alternate", "wait", "return"] = "wait"
 
 
 class AircraftTable(Struct, frozen=True):
@@ -144,8 +136,9 @@ class Flight(Struct, frozen=True):
 
     The aircraft flies a straight lead-in of `lead_in_s` before the first waypoint, on which wind and
     turbulence are brought in. It cannot follow when it is further than `off_path_limit_m` from the reference,
-    unless a wind above its airspeed blew it there: then it goes on, and returns when the wind allows.
-    Guidance sees the truth, or what `sensors` and estimators make of it.
+    unless a wind above its airspeed blew it there: then it goes on, and returns when the wind allows. It is
+    given up for good when it is `late_limit_s` behind the end of its reference. Guidance sees the truth, or
+    what `sensors` and estimators make of it.
     """
 
     simulation_hz: Annotated[int, Meta(ge=30, le=480)] = 60
@@ -153,6 +146,7 @@ class Flight(Struct, frozen=True):
     sample_hz: Annotated[int, Meta(ge=1, le=60)] = 10
     lead_in_s: Annotated[float, Meta(ge=20.0, le=600.0)] = 60.0
     off_path_limit_m: Positive = 500.0
+    late_limit_s: Positive = 3600.0
     sensors: Literal["perfect", "gps"] = "perfect"
 
 
@@ -185,7 +179,7 @@ class Fault(Struct, frozen=True):
 class Scenario(Struct, frozen=True):
     """One flight, whole: everything that decides it stands here."""
 
-    name: Annotated[str, Meta(pattern="^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
+    name: FileName
     mission: Mission
     weather: Weather
     description: str = ""
@@ -225,15 +219,40 @@ def load_scenario(name_or_path: str, overrides: Sequence[str] = ()) -> LoadedSce
     Raises:
         ScenarioError: if there is no such scenario, or anything in it or in an override is wrong.
     """
+    text, path = scenario_text(name_or_path)
+    return scenario_of(text, str(path), path.parent, overrides)
+
+
+def scenario_text(name_or_path: str) -> tuple[str, Path]:
+    """A scenario's text, of which no more is known than that it is TOML, and its file.
+
+    Raises:
+        ScenarioError: if there is no such scenario, or it cannot be read.
+    """
     path = _find(name_or_path)
     try:
-        tables, text = read_toml(path)
+        return read_toml(path)[1], path
     except TableError as error:
         raise ScenarioError(str(error)) from error
+
+
+def scenario_of(toml: str, source: str, folder: Path, overrides: Sequence[str] = ()) -> LoadedScenario:
+    """The scenario of a text that was read from a file before.
+
+    Args:
+        toml: the text, known to be TOML.
+        source: the file, for messages.
+        folder: what its relative paths start from.
+        overrides: see `load_scenario`.
+
+    Raises:
+        ScenarioError: if anything in it or in an override is wrong.
+    """
+    tables = tomllib.loads(toml)
     for override in overrides:
-        _override(tables, override)
+        put(tables, override)
     notes = "".join(f"# --set {override}\n" for override in overrides)
-    return LoadedScenario(parse_scenario(tables, str(path)), notes + text, path.parent)
+    return LoadedScenario(parse_scenario(tables, source), notes + toml, folder)
 
 
 def parse_scenario(tables: dict[str, Any], source: str) -> Scenario:
@@ -257,26 +276,12 @@ def _find(name_or_path: str) -> Path:
     path = Path(name_or_path)
     if path.is_file():
         return path
+    if path.is_dir():
+        raise ScenarioError(f"no scenario {name_or_path!r}: it is a folder; name a TOML file in it")
     raise ScenarioError(
         f"no scenario {name_or_path!r}: neither a file nor one of {', '.join(built_in_names())}"
         f"{nearest(name_or_path, built_in_names())}"
     )
-
-
-def _override(tables: dict[str, Any], override: str) -> None:
-    key, equals, text = override.partition("=")
-    *path, last = key.strip().split(".")
-    if not equals or not last:
-        raise ScenarioError(f"--set {override!r} is not of the form table.key=value")
-    try:
-        value = tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
-        value = text.strip()
-    for name in path:
-        tables = tables.setdefault(name, {})
-        if not isinstance(tables, dict):
-            raise ScenarioError(f"--set {override!r}: {name!r} is a value, not a table")
-    tables[last] = value
 
 
 def _check_together(scenario: Scenario, source: str) -> None:
@@ -290,16 +295,34 @@ def _check_together(scenario: Scenario, source: str) -> None:
         )
     if len(set(names)) < len(names):
         raise ScenarioError(f"{source}: two of mission.goals have one name; name each once")
-    if (weather.storm is None) == (weather.file is None):
-        raise ScenarioError(f'{source}: [weather] needs either storm = "AL092022" or file = "wind.nc"')
+    if (weather.storm is not None or weather.file is not None) + weather.calm + bool(weather.sounding) != 1:
+        raise ScenarioError(
+            f'{source}: [weather] needs storm = "AL092022" or file = "wind.nc" (or, to plan without wind, '
+            "calm = true alone; or a sounding alone)"
+        )
+    check_sounding(weather, source)
+    if weather.error.members and weather.error.kind == "none":
+        raise ScenarioError(
+            f"{source}: weather.error.members is {weather.error.members}, but forecasts do not err; set "
+            'weather.error.kind = "growing", or leave members out'
+        )
+    if weather.truth.file is not None and (weather.file is None or weather.storm is not None):
+        raise ScenarioError(f"{source}: weather.truth.file needs a forecast from weather.file, too")
+    if weather.truth.file is not None and weather.error.kind != "none":
+        raise ScenarioError(
+            f"{source}: weather.truth.file says what the forecast gets wrong, and weather.error.kind "
+            f"{weather.error.kind!r} too; leave one of them out"
+        )
     missing = sum(bound is None for bound in (grid.south_deg, grid.north_deg, grid.west_deg, grid.east_deg))
-    if missing and (weather.storm or missing < 4):
+    if missing and (weather.storm or weather.calm or weather.sounding or missing < 4):
         raise ScenarioError(f"{source}: [grid] needs all of south_deg, north_deg, west_deg, east_deg")
     if grid.south_deg is not None and grid.north_deg is not None and not grid.south_deg < grid.north_deg:
         raise ScenarioError(
             f"{source}: grid.south_deg {grid.south_deg} is not south of north_deg {grid.north_deg}"
         )
+    check_hazard(scenario.hazard, source, weather_file=weather.file is not None and weather.storm is None)
     _check_objective(scenario, source)
+    check_levels(mission, weather, scenario.planner, source)
     flight = scenario.flight
     for fast, slow in (("simulation_hz", "sample_hz"), ("sample_hz", "guidance_hz")):
         if getattr(flight, fast) % getattr(flight, slow):
@@ -316,9 +339,9 @@ def _check_objective(scenario: Scenario, source: str) -> None:
             f"{source}: planner.objective 'fuel' is not one of the staged planner, whose airspeed is what "
             'the step asks for; choose earliest, score or survival, or planner.kind = "windaware"'
         )
-    if scenario.hazard.forecast_error_mps > 0.0:
+    if scenario.hazard.tells_chance:
         return
-    remedy = "a chance to survive needs hazard.forecast_error_mps above 0, such as 3.0"
+    remedy = "a chance to survive needs hazard.forecast_error_mps above 0, such as 3.0, or an ensemble"
     if table.objective == "survival":
         raise ScenarioError(f"{source}: planner.objective is 'survival', but {remedy}")
     if table.abstain_below > 0.0:

@@ -1,15 +1,24 @@
 """Fixtures for every test."""
 
+import gc
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
+from contextlib import chdir, redirect_stderr, redirect_stdout
+from io import BytesIO, TextIOWrapper
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 from aircraft.description import BUILT_IN
+from sim.cli import main
+
+# No test depends on the wall's clock: where the machine is busy, examples take longer.
+settings.register_profile("unhurried", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("unhurried")
 
 
 def pytest_configure(config):
@@ -17,6 +26,38 @@ def pytest_configure(config):
     kept = tempfile.TemporaryDirectory(prefix="galeway-")
     os.environ["GALEWAY_CACHE"] = kept.name
     config.add_cleanup(kept.cleanup)
+
+
+_FIRST = (
+    "test_ian.py",
+    "test_cli.py",
+    "test_closed_loop.py",
+    "test_replanning.py",
+    "test_watching.py",
+    "test_cli_replay.py",
+    "test_rerun_replay.py",
+    "test_faults.py",
+    "test_ci_page.py",
+    "test_all.py",
+    "test_formats.py",
+)
+"""The files that take longest, in this order: begun last, they would keep one core waiting for the other."""
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """What is imported stays: looking through it for garbage would be a fifth of the collection's time."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
+
+
+def pytest_collection_modifyitems(items):
+    places = {name: place for place, name in enumerate(_FIRST)}
+    items.sort(key=lambda item: places.get(item.path.name, len(_FIRST)))
 
 
 @pytest.fixture(scope="session")
@@ -39,13 +80,40 @@ def command():
 
 
 @pytest.fixture(scope="session")
-def galeway(command):
-    """Runs the command to its end: (*arguments) -> finished process, its output as text."""
+def galeway_process(command):
+    """Runs the command to its end in a process of its own: (*arguments) -> finished process."""
 
     def run(*arguments, cwd=None):
         return subprocess.run(
-            [*command, *arguments], capture_output=True, text=True, check=False, cwd=cwd, timeout=300
+            [*command, *arguments], capture_output=True, text=True, check=False, cwd=cwd, timeout=900
         )
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def galeway():
+    """Runs the command in this process, which spares starting one: (*arguments) -> finished process.
+
+    An exception that would be a traceback for the user is one here, too.
+    """
+
+    def run(*arguments, cwd="."):
+        out, err = (TextIOWrapper(BytesIO(), encoding="utf-8", write_through=True) for _ in range(2))
+        with (
+            pytest.MonkeyPatch.context() as patch,
+            chdir(cwd),
+            redirect_stdout(out),
+            redirect_stderr(err),
+        ):
+            patch.setattr(sys, "argv", ["galeway", *map(str, arguments)])
+            code = 0
+            try:
+                main()
+            except SystemExit as stopped:
+                code = stopped.code or 0
+        told, complained = (stream.buffer.getvalue().decode() for stream in (out, err))
+        return subprocess.CompletedProcess(arguments, code, told, complained)
 
     return run
 

@@ -1,6 +1,8 @@
 """The default scenario, flown whole, once: what a newcomer's first command has to end with."""
 
 import json
+import re
+import shlex
 import shutil
 from pathlib import Path
 
@@ -8,10 +10,10 @@ import pytest
 
 
 @pytest.fixture(scope="session")
-def ian(galeway, tmp_path_factory):
+def ian(galeway_process, tmp_path_factory):
     """`galeway fly ian`, in a folder of its own: (finished process, runs/ian)."""
     home = tmp_path_factory.mktemp("home")
-    return galeway("fly", cwd=home), home / "runs" / "ian"
+    return galeway_process("fly", cwd=home), home / "runs" / "ian"
 
 
 @pytest.fixture(scope="session")
@@ -53,7 +55,8 @@ def test_check_agrees_and_finds_a_limit_below_what_was_flown(ian, report, galewa
     recording = str(ian[1] / "flight.mcap")
     checked = galeway("check", recording, "--json")
     assert checked.returncode == 0
-    assert json.loads(checked.stdout) == {k: v for k, v in report.items() if k != "real_time_factor"}
+    told = json.loads(checked.stdout)
+    assert {key: told.get(key) for key in report} == report | {"real_time_factor": None}
     limits = tmp_path / "limits.toml"
     limits.write_text(f'limits = ["altitude_error_m.p95 <= {report["altitude_error_m"]["p95"] / 2}"]')
     broken = galeway("check", recording, "--limits", str(limits))
@@ -66,18 +69,64 @@ def test_tampa_opens_six_hours_later(galeway):
     assert done.returncode == 0
 
 
-def test_the_readmes_commands_and_code_run(ian, galeway, tmp_path):
-    """Every `galeway` line of the README, but the one that opens a window, in the folder of the flight."""
-    home = ian[1].parents[1]
-    text = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
-    lines = [line.removeprefix(".venv/bin/") for line in text.splitlines()]
-    commands = [line.split()[1:] for line in lines if line.startswith("galeway ") and "plans" not in line]
+COARSE = ["grid.cell_m=10800", "stages.step_s=360", "stages.steps=10"]
+"""The scenario on a ninth of the cells."""
+
+
+def readme():
+    return (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+
+
+def readme_commands():
+    """Every `galeway` line of the README, but those that open a window and that of the fixture."""
+    lines = [line.removeprefix(".venv/bin/") for line in readme().splitlines()]
+    commands = [shlex.split(line)[1:] for line in lines if re.match(r"galeway (?!plans )", line)]
     assert ["fly", "ian"] in commands
+    return [words for words in commands if words[0] != "replay" and words != ["fly", "ian"]]
+
+
+def commands_of_many():
+    """Those that fly for hours, and on other machines."""
+    return [words for words in readme_commands() if words[0] in ("campaign", "reproduce")]
+
+
+def test_the_readmes_commands_run(ian, galeway):
+    """In the folder of the flight; what is planned is on a coarse grid, what else is flown only planned."""
+    for arguments in readme_commands():
+        command, options = arguments[0], arguments[1:]
+        if arguments in commands_of_many():
+            continue
+        if command == "fly":
+            command, options = "plan", options[: options.index("--out")]
+        if command == "plan" and not any(option.startswith("grid.cell_m=") for option in options):
+            options += [word for value in COARSE for word in ("--set", value)]
+        assert galeway(command, *options, cwd=ian[1].parents[1]).returncode == 0, arguments
+
+
+def test_the_readmes_campaign_runs(galeway, tmp_path):
+    """Flights of a minute in place of its own, and few of them; clusters have tests of their own."""
+    (tmp_path / "ian").write_bytes((Path(__file__).parent / "sim" / "scenarios" / "hop.toml").read_bytes())
+    few = {"ian": "./ian", "20": "1", "17": "3"}
+    commands = [
+        words for words in commands_of_many() if words[0] == "campaign" and "--scheduler" not in words
+    ]
+    assert len(commands) == 3
     for arguments in commands:
-        if arguments[0] == "replay" or arguments == ["fly", "ian"]:
-            continue  # needs a screen; was flown by the fixture
-        assert galeway(*arguments, cwd=home).returncode == 0, arguments
-    (code,) = [part.split("```")[0] for part in text.split("```python\n")[1:]]
+        done = galeway(*(few.get(word, word) for word in arguments), cwd=tmp_path)
+        assert done.returncode == 0, arguments
+    assert done.stdout.endswith("the recording has the same bytes as in the campaign\n")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "arguments", [words for words in readme_commands() if words[0] in ("plan", "fly") or "--quick" in words]
+)
+def test_the_readmes_commands_run_as_they_stand(galeway, tmp_path, arguments):
+    assert galeway(*arguments, cwd=tmp_path).returncode == 0
+
+
+def test_the_readmes_code_runs(ian, tmp_path):
+    (code,) = [part.split("```")[0] for part in readme().split("```python\n")[1:]]
     (tmp_path / "runs").mkdir()
     shutil.copytree(ian[1], tmp_path / "runs" / "ian", copy_function=lambda a, b: Path(b).symlink_to(a))
     printed = []

@@ -60,6 +60,20 @@ class Profile(NamedTuple):
         return Profile(nodes, (1.0 - weight) * mine + weight * others)
 
 
+class Shift(NamedTuple):
+    """How a storm differs from its best track at one moment: where it lies, and how strong it is.
+
+    `strength`: factor on every wind speed; the radii of given speeds grow or shrink with it.
+    """
+
+    north_m: float
+    east_m: float
+    strength: float
+
+
+_UNSHIFTED = Shift(0.0, 0.0, 1.0)
+
+
 def quadrant_profiles(fix: BestTrackFix, outer_exponent: float = -1.0) -> tuple[Profile, ...]:
     """The profile of each quadrant of a fix, in the order of `QUADRANT_BEARINGS_RAD`; see `vortex_field`."""
     quadrants = [
@@ -91,6 +105,7 @@ def vortex_field(
     inflow_rad: float = math.radians(20.0),
     outer_exponent: float = -1.0,
     flight_level_ratio: float = 1.0,
+    shifts: Sequence[Shift] | None = None,
 ) -> WindField:
     """The cyclone's wind at 10 m, the same at every altitude: float32, shape (T, rows, columns), toward.
 
@@ -110,6 +125,7 @@ def vortex_field(
         flight_level_ratio: factor on the speed, 1 for the published surface wind as it stands. In eyewalls
             dropsondes put the surface wind at about 0.75 of the wind at 750 m and 0.8 of that at 1500 m:
             ratios of 1.3 and 1.25 (Franklin, Black and Valde 2003, Weather and Forecasting 18).
+        shifts: how far the storm is off its fixes at each of the times; without, it keeps to them.
 
     Raises:
         WeatherError: if there are less than two fixes, they do not rise in time, or a time lies outside them.
@@ -137,10 +153,11 @@ def vortex_field(
     north_mps = np.empty((times_s.size, *grid.shape), dtype=np.float32)
     east_mps = np.empty_like(north_mps)
     profiles = [quadrant_profiles(fix, outer_exponent) for fix in fixes]
-    for sheet, moment_s in enumerate(times_s):
-        storm = _storm(fixes, profiles, float(moment_s))
+    offs = [_UNSHIFTED] * times_s.size if shifts is None else shifts
+    for sheet, (moment_s, off) in enumerate(zip(times_s, offs, strict=True)):
+        storm = _storm(fixes, profiles, float(moment_s)).shifted(off)
         around = _around(storm, grid)
-        speed_mps = flight_level_ratio * _speed_mps(around, storm.quadrants)
+        speed_mps = off.strength * flight_level_ratio * _speed_mps(around, storm.quadrants)
         inflow = inflow_rad * np.interp(
             around.distance_m / storm.core_m, (0.0, 1.0, _FULL_INFLOW_RADII), (0.0, _CORE_INFLOW, 1.0)
         )
@@ -157,6 +174,12 @@ class _Storm(NamedTuple):
     lon_rad: float
     core_m: float
     quadrants: tuple[Profile, ...]
+
+    def shifted(self, by: Shift) -> _Storm:
+        """The same storm elsewhere."""
+        north_rad = by.north_m / _EARTH_RADIUS_M
+        east_rad = by.east_m / (_EARTH_RADIUS_M * math.cos(self.lat_rad))
+        return self._replace(lat_rad=self.lat_rad + north_rad, lon_rad=self.lon_rad + east_rad)
 
 
 def _storm(fixes: Sequence[BestTrackFix], profiles: Sequence[tuple[Profile, ...]], time_s: float) -> _Storm:

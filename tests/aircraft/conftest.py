@@ -6,6 +6,7 @@ import numpy as np
 import pyproj
 import pytest
 
+from aircraft.path import along
 from aircraft.state import FlightState
 
 GEOD = pyproj.Geod(ellps="WGS84")
@@ -75,3 +76,44 @@ def circling():
         return states
 
     return made
+
+
+@pytest.fixture(scope="session")
+def assert_continuous():
+    """Checks a reference in itself."""
+
+    def check(reference):
+        """Position, course, time and altitude at a segment's end are those at the next one's beginning."""
+        for i in range(len(reference.start_m) - 1):
+            end_m = reference.length_m[i]
+            north_m, east_m = along(
+                reference.north_m[i],
+                reference.east_m[i],
+                reference.course_rad[i],
+                reference.curvature[i],
+                end_m,
+            )
+            assert north_m == pytest.approx(reference.north_m[i + 1], abs=1e-5)
+            assert east_m == pytest.approx(reference.east_m[i + 1], abs=1e-5)
+            turn_rad = reference.course_rad[i] + reference.curvature[i] * end_m - reference.course_rad[i + 1]
+            assert math.remainder(turn_rad, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-8)
+            assert reference.end_time_s[i] == pytest.approx(reference.start_time_s[i + 1], abs=1e-7)
+            assert reference.end_altitude_m[i] == pytest.approx(reference.start_altitude_m[i + 1], abs=1e-7)
+        assert np.all(reference.end_time_s > reference.start_time_s)
+
+    return check
+
+
+@pytest.fixture(scope="session")
+def assert_same_place():
+    """Checks two references against each other."""
+
+    def check(old, old_m, new, new_m, later_s):
+        """Both are at the same place, on the same course, at times that differ by so much."""
+        was, now = old.at(old_m), new.at(new_m)
+        assert (now.north_m, now.east_m) == pytest.approx((was.north_m, was.east_m), abs=1e-5)
+        assert now.altitude_m == pytest.approx(was.altitude_m, abs=1e-6)
+        assert math.remainder(now.course_rad - was.course_rad, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-8)
+        assert now.time_s == pytest.approx(was.time_s + later_s, abs=1e-6)
+
+    return check

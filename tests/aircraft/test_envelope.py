@@ -39,14 +39,17 @@ def test_everything_inside_holds_with_the_margins(stand, envelope):
     for altitude_m, fuel in itertools.product((0.0, 1000.0, envelope.ceiling_m), (1.0, 0.01)):
         climbing = Condition(envelope.cruise_mps, altitude_m, fuel, 0.0, envelope.climb_max_mps)
         assert shortfall(stand, stand.margins, climbing) == "", climbing
+        descending = climbing._replace(climb_mps=-envelope.descent_max_mps)
+        assert shortfall(stand, stand.margins, descending) == "", descending
 
 
-@pytest.mark.parametrize("change", ["slower", "faster", "climbing"])
+@pytest.mark.parametrize("change", ["slower", "faster", "climbing", "descending"])
 def test_just_outside_something_does_not_hold(stand, envelope, change):
     airspeed_mps, climb_mps = {
         "slower": (envelope.airspeed_min_mps - 0.2, 0.0),
         "faster": (envelope.airspeed_max_mps + 0.2, 0.0),
         "climbing": (envelope.cruise_mps, envelope.climb_max_mps + 0.2),
+        "descending": (envelope.cruise_mps, -envelope.descent_max_mps - 0.2),
     }[change]
     reasons = [
         shortfall(stand, stand.margins, Condition(airspeed_mps, altitude_m, fuel, bank_rad, climb_mps))
@@ -112,6 +115,8 @@ def test_limits_of_a_simple_aircraft(bank_rad, ceiling_m, throttle_max, alpha_ma
     assert 0.0 <= found.airspeed_min_mps - slowest < 0.16
     assert 0.0 <= fastest - found.airspeed_max_mps < 0.16
     assert 0.0 <= climb - found.climb_max_mps < 0.16
+    descent = 10.0 * ((38.0 / 60.0) ** 2 - (1.0 - throttle_max))  # least at sea level
+    assert 0.0 <= descent - found.descent_max_mps < 0.16
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from aircraft.envelope import Envelope
-from aircraft.guidance import Guidance, Progress
+from aircraft.guidance import Gains, Guidance, Progress
 from aircraft.reference import PathPoint, Phase, Reference
 from aircraft.state import Command, FlightState
 
@@ -19,6 +19,7 @@ ENVELOPE = Envelope(
     airspeed_max_mps=41.0,
     cruise_mps=27.0,
     climb_max_mps=3.0,
+    descent_max_mps=3.0,
     bank_max_rad=math.radians(35.0),
     ceiling_m=2000.0,
 )
@@ -290,3 +291,32 @@ def test_progress_tells_right_above_and_late_as_positive() -> None:
     assert progress.time_error_s == pytest.approx(2.0)
     assert progress.phase == Phase.LEAD_IN
     assert progress.path_m == pytest.approx(0.0, abs=1e-6)
+
+
+def heights_asked(
+    late_s: float, airspeed_mps: float, rounds: int = 50, *, most_m: float = 4.5
+) -> list[float]:
+    """Altitudes commanded on a straight leg at 1000 m, to an aircraft that stays that late and that slow."""
+    reference = lay(flat((0.0, 0.0, 0.0), (36000.0, 0.0, 1200.0)), calm)
+    guidance = Guidance(reference, ENVELOPE, Gains(height_for_time_m=most_m))
+    asked = []
+    for number in range(rounds):
+        on_time_s = 100.0 + 0.2 * number
+        place = reference.at(reference.path_at_time(on_time_s))
+        plant = PointMass(place.north_m, place.east_m, 1000.0, 0.0, airspeed_mps, on_time_s + late_s)
+        command, _ = guidance.update(plant.state(calm), plant.north_m, plant.east_m, 1.0, 0.0, 0.0)
+        asked.append(command.altitude_m)
+    return asked
+
+
+def test_height_is_given_for_time_to_a_bound_by_an_aircraft_that_is_late_and_too_slow() -> None:
+    heights_m = heights_asked(late_s=5.0, airspeed_mps=22.0)
+    assert heights_m[0] > 999.0  # smoothly
+    assert np.all(np.diff(heights_m) < 0.0)
+    assert heights_m[-1] == pytest.approx(995.5, abs=0.01)
+    assert heights_asked(5.0, 22.0, most_m=0.0)[-1] == 1000.0
+
+
+@pytest.mark.parametrize(("late_s", "airspeed_mps"), [(0.9, 22.0), (-5.0, 22.0), (5.0, 36.0)])
+def test_no_height_is_given_on_time_nor_at_the_airspeed_asked_for(late_s: float, airspeed_mps: float) -> None:
+    assert set(heights_asked(late_s, airspeed_mps)) == {1000.0}

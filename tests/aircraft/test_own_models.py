@@ -68,7 +68,11 @@ def fresh_cache(tmp_path, monkeypatch):
             id="fuel",
         ),
         pytest.param(
-            AIRFRAME, '<alphalimits unit="DEG">', '<limits unit="DEG">', "cannot load", id="mismatched tag"
+            AIRFRAME,
+            '<alphalimits unit="DEG">',
+            '<limits unit="DEG">',
+            "cannot load .*XML parse error",
+            id="mismatched tag",
         ),
         pytest.param(
             AIRFRAME,
@@ -85,6 +89,7 @@ def test_a_broken_model_is_told_in_one_message(own, file, old, new, said):
         envelope_of(load_aircraft(folder))
     assert "mine" in str(error.value)
     assert "Traceback" not in str(error.value)
+    assert str(error.value).count("XML parse error") <= 1  # JSBSim says it twice
     assert not list(folder.parent.glob("cache/envelopes/*"))
 
 

@@ -396,17 +396,42 @@ def test_a_lap_is_not_mistaken_for_another_by_a_flight_late_by_more_than_one() -
     np.testing.assert_allclose(cross_m, 0.0, atol=1e-3)
 
 
+def test_a_flight_is_followed_to_the_end_however_late_it_comes_there() -> None:
+    reference = lay(flat((0, 0, 0), (3600, 0, 120), (3600, 3600, 240)))
+    time_s = np.arange(0.0, 600.0, 0.1)
+    flown_m = np.minimum(time_s * 15.0, reference.end_m)  # half as fast as planned
+    there = reference.at_many(flown_m)
+    path_m, cross_m = reference.project_many(there.north_m, there.east_m, reference.path_at_times(time_s))
+    np.testing.assert_allclose(path_m, flown_m, atol=1e-3)
+    np.testing.assert_allclose(cross_m, 0.0, atol=1e-3)
+
+
 @given(plans(), st.lists(st.floats(-0.1, 1.1), min_size=1, max_size=20))
 @settings(derandomize=True, deadline=None, max_examples=100)
 def test_a_target_is_the_point_without_its_position(points: list[PathPoint], shares: list[float]) -> None:
     reference = lay(points)
     for share in shares:  # to and fro, so that remembered stretches are left and entered again
         point, target = reference.at(share * reference.end_m), reference.target(share * reference.end_m)
-        for name in target._fields:
+        for name in target._fields[:-1]:
             assert getattr(target, name) == pytest.approx(getattr(point, name), rel=1e-12, abs=1e-7), name
+
+
+@given(plans(), st.lists(st.floats(-0.1, 1.1), min_size=1, max_size=20), st.floats(0.0, 0.999))
+@settings(derandomize=True, deadline=None, max_examples=100)
+def test_a_target_says_how_far_it_holds(points: list[PathPoint], shares: list[float], onward: float) -> None:
+    reference = lay(points)
+    for share in shares:
+        path_m = share * reference.end_m
+        target = reference.target(path_m)
+        if target.straight_to_m == -math.inf:
+            assert target.curvature_radpm
+            continue
+        to_m = min(target.straight_to_m, 2.0 * reference.end_m)
+        assert to_m > path_m
+        assert reference.target(path_m + onward * (to_m - path_m))[2:] == target[2:]
 
 
 def test_a_target_where_segments_meet_is_the_later_ones() -> None:
     reference = lay(flat((0.0, 0.0, 0.0), (3000.0, 0.0, 100.0), (3000.0, 3000.0, 200.0)))
     for start_m in reference.start_m.tolist():
-        assert reference.target(start_m)[3:] == (*reference.at(start_m)[5:8], reference.at(start_m).phase)
+        assert reference.target(start_m)[3:-1] == (*reference.at(start_m)[5:8], reference.at(start_m).phase)

@@ -15,6 +15,7 @@ ENVELOPE = Envelope(
     airspeed_max_mps=41.0,
     cruise_mps=27.0,
     climb_max_mps=3.0,
+    descent_max_mps=3.0,
     bank_max_rad=math.radians(35.0),
     ceiling_m=2000.0,
 )
@@ -34,7 +35,7 @@ def asked(
     wind: tuple[float, float] = (0.0, 0.0),
     tan_bank: float = 0.0,
 ) -> float:
-    return schedule.airspeed_mps(path_m, 30.0, late_s, tan_bank, *wind)
+    return schedule.airspeed_mps(path_m, schedule.reference.target(path_m), 30.0, late_s, tan_bank, *wind)
 
 
 def test_on_time_the_wind_triangle_decides() -> None:

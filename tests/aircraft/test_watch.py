@@ -13,6 +13,7 @@ ENVELOPE = Envelope(
     airspeed_max_mps=41.0,
     cruise_mps=27.0,
     climb_max_mps=3.0,
+    descent_max_mps=3.0,
     bank_max_rad=math.radians(35.0),
     ceiling_m=2000.0,
 )

@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 from planner.compare import cells_by_step, compare
-from planner.comparison_picture import check_picture, draw
+from planner.comparison_picture import draw
 from planner.comparison_table import rows_table, summary_table
 from planner.errors import BadFieldError, OutsideGridError, PlannerError
+from planner.grid import Grid
 from planner.hazards import StageClock, clearance_cells
 from planner.peers import PEERS, Peer, PeerRoute, TrackPoint
+from planner.pictures import check_picture
 from planner.score import Weights
 from planner.staged import StagedProblem, search
 
@@ -20,6 +22,7 @@ QUICK = {
     name: PEERS[name]
     for name in ("dfs", "bfs", "astar-cells", "astar-steps", "dstar-lite", "replanning", "paper", "staged")
 }
+GRID = Grid.covering(*map(math.radians, (29.0, 29.4, -91.0, -90.4)), rows=9, columns=12)
 START, GOALS = (0, 0), [(0, 11), (8, 11), (4, 11)]
 
 
@@ -122,8 +125,11 @@ def test_tables_hold_what_the_rows_hold(problem):
     assert all(any(row.breach in line for line in lines) for row in rows if row.breach)
     summary = {line.split()[0]: line.split()[1:] for line in summary_table(rows).splitlines()}
     assert summary["planner"][:4] == ["found", "kept", "first", "truth"]
-    assert summary["staged"][:6] == ["2/3", "2/3", "2/3", "2/3", "+0", "+0"]
+    assert summary["staged"][:6] == ["2/3", "2/3", "2/3", "2/3", "0", "0"]
     assert summary["bfs"][:2] == ["2/3", "0/3"]
+    early = [replace(row, delay_steps=-0.04) for row in rows if row.keeps_rules]
+    assert summary_table(early).splitlines()[1].split()[5:7] == ["0", "0"]
+    assert rows_table(early).splitlines()[1].split()[3] == "0"
     assert summary_table([replace(row, safe_in_truth=None) for row in rows]).splitlines()[1].split()[4] == "-"
 
 
@@ -131,10 +137,14 @@ def test_the_picture_is_a_png_and_shows_routes(problem, tmp_path):
     pytest.importorskip("matplotlib")
     from matplotlib import image
 
-    rows = compare(problem, START, GOALS, QUICK)
-    draw(problem, START, rows, tmp_path / "with.png")
+    rows = compare(problem, START, GOALS, {name: QUICK[name] for name in ("bfs", "staged")})
+    draw(problem, GRID, START, rows, tmp_path / "with.png")
     draw(
-        problem, START, [replace(row, route=PeerRoute(reason="-")) for row in rows], tmp_path / "without.png"
+        problem,
+        GRID,
+        START,
+        [replace(row, route=PeerRoute(reason="-")) for row in rows],
+        tmp_path / "without.png",
     )
     shown, empty = (image.imread(tmp_path / name) for name in ("with.png", "without.png"))
     assert min(shown.shape[:2]) > 200
@@ -142,8 +152,29 @@ def test_the_picture_is_a_png_and_shows_routes(problem, tmp_path):
     assert blue.any()
     assert not ((empty[..., 2] > 0.6) & (empty[..., 0] < 0.3)).any()
     again = tmp_path / "again.png"
-    draw(problem, START, rows, again)
+    draw(problem, GRID, START, rows, again)
     assert again.read_bytes() == (tmp_path / "with.png").read_bytes()
+
+
+def test_the_picture_shows_what_is_around_the_routes_in_kilometres(problem, monkeypatch, tmp_path):
+    pytest.importorskip("matplotlib")
+    from matplotlib.figure import Figure
+
+    figures = []
+    monkeypatch.setattr(Figure, "savefig", lambda figure, *_, **__: figures.append(figure))
+    near, far = (compare(problem, START, [goal], {"staged": PEERS["staged"]}) for goal in ((0, 2), (8, 11)))
+    for rows in (near, far):
+        draw(problem, GRID, START, rows, tmp_path / "routes.png")
+    edges_km = [(*figure.axes[0].get_xlim(), *figure.axes[0].get_ylim()) for figure in figures]
+    side_km = GRID.east_cell_m.mean() / 1e3
+    for (west, east, south, _), columns in zip(edges_km, (2, 11), strict=True):
+        assert (west, south) == pytest.approx((-side_km / 2.0, -GRID.north_cell_m.mean() / 2e3))  # the grid's
+        assert columns * side_km < east <= 11.5 * side_km + 1e-9
+    assert edges_km[0][1] < 6.0 * side_km
+    (line,) = (
+        line for line in figures[1].axes[0].lines if line.get_linestyle() == "-" and len(line.get_xdata()) > 2
+    )
+    assert line.get_xdata()[-1] == pytest.approx(11 * side_km)
 
 
 def test_a_picture_that_cannot_be_written_is_refused_before_the_planners_run(tmp_path):
@@ -161,7 +192,7 @@ def test_what_is_not_installed_is_named(problem, monkeypatch, tmp_path):
     for name in ("prm", "rrt", "rrt-star", "rrt-time", "genetic"):
         assert "galeway[peers]" in PEERS[name].find(problem, START, GOALS[0]).reason
     with pytest.raises(PlannerError, match=r"galeway\[plot\]"):
-        draw(problem, START, [], tmp_path / "picture.png")
+        draw(problem, GRID, START, [], tmp_path / "picture.png")
     with pytest.raises(PlannerError, match=r"galeway\[plot\]"):
         check_picture(tmp_path / "picture.png")
 

@@ -120,7 +120,7 @@ def by_heap(problem, hazard, grid):
     return arrive
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(
     seed=st.integers(0, 10**6),
     share=st.sampled_from([0.0, 0.2, 0.4, 0.6]),

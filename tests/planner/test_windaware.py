@@ -282,6 +282,7 @@ def test_across_the_date_line():
     assert len(plan.waypoints) == round(plan.outcome.arrival_s / 120.0) + 1
 
 
+@pytest.mark.slow
 def test_a_thousand_goals_at_once():
     goals = tuple(
         place(f"{row}-{column}-{again}", row, column)

@@ -86,9 +86,12 @@ def test_wind_stays_within_the_range_of_its_neighbours(fraction: tuple[float, ..
     for axis, value in zip(axes, (time_s, altitude_m, lat_rad, lon_rad), strict=True):
         below = min(int(np.searchsorted(axis, value, side="right")) - 1, axis.size - 2)
         place.append((below, below + 1))
-    corners = field.north_mps[np.ix_(*place)]
-    wind = field.at(time_s, lat_rad, lon_rad + turns * TURN, altitude_m)
-    assert corners.min() - 1e-9 <= wind.north_mps <= corners.max() + 1e-9
+    point = time_s, lat_rad, lon_rad + turns * TURN, altitude_m
+    asked = (field.at(*point), field.probe()(*point), [float(part) for part in field.at_many(*point)])
+    for values, *found in zip((field.north_mps, field.east_mps, field.down_mps), *asked, strict=True):
+        corners = values[np.ix_(*place)]  # type: ignore[index]
+        for wind_mps in found:
+            assert corners.min() - 1e-9 <= wind_mps <= corners.max() + 1e-9
 
 
 def test_the_nodes_themselves_come_back() -> None:
@@ -124,7 +127,31 @@ def test_a_probe_goes_on_after_a_point_outside() -> None:
     before = probe(*point)
     with pytest.raises(OutsideFieldError):
         probe(NOON_S - 60.0, *point[1:])
-    assert probe(*point) == before
+    assert probe(*point) == pytest.approx(before, rel=1e-12)
+
+
+@pytest.mark.parametrize("grid", [GULF, DATE_LINE])
+@pytest.mark.parametrize("layers", [False, True])
+def test_a_probe_says_the_same_however_often_it_is_in_a_cell(grid: Grid, layers: bool) -> None:
+    field = random_field(grid, layers=layers, hold=True)
+    probe, random = field.probe(), np.random.default_rng(5)
+    points = np.transpose(random_points(grid, 300))
+    points[:100, 1:] = points[0, 1:] + random.uniform(-2e-2, 2e-2, (100, 3))  # often in one of a few cells
+    points[150:200] = points[rows := random.integers(0, 100, 50)]
+    points[200:250, 2] += random.choice([-TURN, TURN], 50)
+    points[250:, 1] += random.choice([-0.08, 0.0, 0.08], 50)  # to the fringe and beyond
+    for _ in range(3):
+        found = [probe(*point) for point in points.tolist()]
+        np.testing.assert_allclose(np.transpose(found), field.at_many(*points.T), atol=1e-9)
+    np.testing.assert_allclose(np.array(found)[150:200], np.array(found)[rows], rtol=1e-12)
+
+
+def test_a_probe_reads_components_of_different_precision() -> None:
+    wide = random_field(layers=True)
+    mixed = WindField(GULF, TIME_S, wide.north_mps, wide.east_mps.astype(np.float32), HEIGHT_M)
+    points = random_points(GULF, 50)
+    found = [mixed.at(*point) for point in zip(*(values.tolist() for values in points), strict=True)]
+    np.testing.assert_allclose(np.transpose(found), mixed.at_many(*points), atol=1e-9)
 
 
 INSIDE = {

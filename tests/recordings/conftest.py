@@ -1,26 +1,42 @@
 """Flights made of arithmetic: exactly along a real reference, or off it by a known amount."""
 
 import math
+from collections import OrderedDict
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from aircraft.reference import PathPoint, Reference
+from aircraft.holding import HoldLimits, lay_hold
+from aircraft.joining import joined, joints
+from aircraft.reference import PathPoint, Reference, ReferencePoints
 from aircraft.state import Command, FlightState
 from planner.grid import Grid
 from planner.plans import GoalOutcome, Plan, Waypoint
+from recordings import rerun_writer
 from recordings.mcap_reader import read
 from recordings.mcap_writer import McapRecorder
-from recordings.recorder import FlightHeader, GuidanceSample, Layer, Outcome, Recorder, WeatherSheet
-from recordings.recording import Recording
-from recordings.samples import Samples
+from recordings.recorder import (
+    FlightHeader,
+    GuidanceSample,
+    Layer,
+    Outcome,
+    PlanIssue,
+    Recorder,
+    WeatherSheet,
+)
+from recordings.recording import Issue, Recording
+from recordings.samples import rounded
+from recordings.schema import GUIDANCE_COLUMNS, STATE_COLUMNS
 
 DEPARTURE_S = 1664409600.0
 STAGE_S = 600.0
 LEAD_IN_S = 30.0
+FLIGHTS_KEPT = 6
 ALTITUDE_M = 1000.0
 GRID = Grid.covering(
     math.radians(29.0), math.radians(31.0), math.radians(-91.0), math.radians(-88.0), rows=60, columns=80
@@ -39,15 +55,21 @@ class Flight:
     sheets: list[WeatherSheet]
     seen: list[FlightState]
     outcome: Outcome = Outcome.ARRIVED
+    relaid: tuple[Issue, ...] = ()
+    plans: tuple[PlanIssue, ...] = ()
 
     def record(self, recorder: Recorder, *, finish: bool = True) -> None:
-        sheets = list(self.sheets)
+        sheets, relaid, plans = list(self.sheets), list(self.relaid), list(self.plans)
         recorder.begin(self.header)
         seen = {state.time_s: state for state in self.seen}
         for state, guidance in zip(self.states, self.guidance, strict=True):
             while sheets and sheets[0].time_s <= state.time_s:
                 recorder.weather(sheets.pop(0))
             recorder.sample(state, guidance)
+            while plans and plans[0].time_s <= state.time_s:
+                recorder.plan(plans.pop(0))
+            while relaid and relaid[0].time_s <= state.time_s:
+                recorder.reference(*relaid.pop(0))
             if state.time_s in seen:
                 recorder.estimate(seen[state.time_s])
             if state.time_s == 60.0:
@@ -62,16 +84,23 @@ class Flight:
         return replace(self, states=states)
 
 
-def make_header(corners_m: Sequence[tuple[float, float]], leg_s: float = 120.0) -> FlightHeader:
-    """A plan through plane positions (north, east), a leg of `leg_s` between each."""
+def make_points(corners_m: Sequence[tuple[float, float]], leg_s: float = 120.0) -> list[PathPoint]:
+    """Plane positions (north, east), a leg of `leg_s` between each."""
     frame = GRID.frame
-    waypoints, points = [], []
-    for index, (north_m, east_m) in enumerate(corners_m):
-        lat_rad, lon_rad = frame.to_geodetic(north_m, east_m)
-        time_s = leg_s * index
+    return [
+        PathPoint(*place, ALTITUDE_M, leg_s * index, frame.scale(frame.to_geodetic(*place)[0]))
+        for index, place in enumerate(corners_m)
+    ]
+
+
+@cache
+def make_header(corners_m: tuple[tuple[float, float], ...], leg_s: float = 120.0) -> FlightHeader:
+    """A plan through plane positions (north, east), a leg of `leg_s` between each."""
+    points, waypoints = make_points(corners_m, leg_s), []
+    for north_m, east_m, _, time_s, _ in points:
+        lat_rad, lon_rad = GRID.frame.to_geodetic(north_m, east_m)
         lat_deg, lon_deg = math.degrees(lat_rad), math.degrees(lon_rad)
         waypoints.append(Waypoint(lat_deg, lon_deg, ALTITUDE_M, time_s, int(time_s // STAGE_S)))
-        points.append(PathPoint(north_m, east_m, ALTITUDE_M, time_s, frame.scale(lat_rad)))
     last = waypoints[-1]
     goals = (
         GoalOutcome(
@@ -103,6 +132,7 @@ def make_header(corners_m: Sequence[tuple[float, float]], leg_s: float = 120.0) 
         airspeed_min_mps=20.0,
         airspeed_max_mps=40.0,
         limits=("arrived == true", "cross_track_m.p95 <= 2"),
+        also=("gusts over 20 m/s (gust.nc)", "no-fly zones (zones.geojson)"),
         versions={"galeway": "0.1.0", "git": ""},
     )
 
@@ -114,7 +144,15 @@ def make_sheets(hazard: np.ndarray | None = None, stages: int = 3) -> list[Weath
         hazard[50:, 70:] = True
     north = np.linspace(-12.0, 18.0, GRID.rows * GRID.columns, dtype=np.float32).reshape(GRID.shape)
     return [
-        WeatherSheet(layer, stage, stage * STAGE_S if stage else -LEAD_IN_S, hazard, north, 0.5 * north)
+        WeatherSheet(
+            layer,
+            stage,
+            stage * STAGE_S if stage else -LEAD_IN_S,
+            hazard,
+            north,
+            0.5 * north,
+            altitude_m=ALTITUDE_M,
+        )
         for stage in range(stages)
         for layer in Layer
     ]
@@ -130,12 +168,21 @@ def fly_along(
     hz: int = 10,
     wind_mps: Callable[[float], float] = lambda _: 6.0,
     sheets: list[WeatherSheet] | None = None,
+    relaid: tuple[Issue, ...] = (),
 ) -> Flight:
-    """Follow the reference at a constant offset, as if the schedule were `late_s` later."""
+    """Follow the reference at a constant offset, as if the schedule were `late_s` later.
+
+    References that are laid anew are followed at their own times.
+    """
     reference, frame = header.reference, header.grid.frame
-    end_s = header.plan.duration_s + late_s if until_s is None else until_s
+    end_s = header.plan.duration_s + (0.0 if relaid else late_s) if until_s is None else until_s
     times_s = np.arange(math.ceil((end_s + LEAD_IN_S) * hz - 1e-6) + 1) / hz - LEAD_IN_S
     points = reference.at_many(reference.path_at_times(times_s - late_s))
+    for issue in relaid:
+        anew = issue.reference.at_many(issue.reference.path_at_times(times_s))
+        before = times_s < issue.time_s
+        points = ReferencePoints(*(np.where(before, *both) for both in zip(points, anew, strict=True)))
+        late_s = 0.0
     off_m = right_m * points.scale
     beyond_m = np.maximum(times_s - late_s - header.plan.duration_s, 0.0) * points.speed_mps * points.scale
     north, east = np.cos(points.course_rad), np.sin(points.course_rad)
@@ -184,21 +231,65 @@ def fly_along(
         state._replace(lat_rad=state.lat_rad + 2.0**-22, wind_north_mps=state.wind_north_mps + 0.5)
         for state in states[1:]
     ]
-    return Flight(header, states, guidance, make_sheets() if sheets is None else sheets, seen)
+    plans = (PlanIssue(60.0, "forecast of 00:00 UTC, stage 1: unchanged", header.plan, False),)
+    sheets = make_sheets() if sheets is None else sheets
+    return Flight(header, states, guidance, sheets, seen, relaid=relaid, plans=plans)
 
 
 def as_recorded(
     states: list[FlightState], guidance: list[GuidanceSample]
 ) -> tuple[list[FlightState], list[GuidanceSample]]:
     """Samples that lie on the steps of the schema, so that what is read can be compared exactly."""
-    samples = Samples()
-    for state, sample in zip(states, guidance, strict=True):
-        samples.add(state, sample)
-    state_table, guidance_table = samples.take()
+    rows = [
+        (state.time_s, *sample[:-1], *sample.command) for state, sample in zip(states, guidance, strict=True)
+    ]
+    state_table = rounded(np.array(states), STATE_COLUMNS)
+    guidance_table = rounded(np.array(rows), GUIDANCE_COLUMNS)
     return [FlightState._make(row) for row in state_table.tolist()], [
         GuidanceSample(path_m, across_m, above_m, late_s, int(phase), Command(*command))
         for _, path_m, across_m, above_m, late_s, phase, *command in guidance_table.tolist()
     ]
+
+
+def fly_and_hold(header: FlightHeader, early_s: float, hold_s: float, **how: float) -> Flight:
+    """Come so early, and from a time on fly a reference with a hold in it that makes it good."""
+    limits = HoldLimits(150.0, 300.0, 27.0, math.radians(45.0))
+    path_m = header.reference.path_at_time(hold_s + early_s)
+    hold = lay_hold(header.reference, path_m, early_s, limits, (0.0, 0.0), lambda *_: True)
+    assert hold is not None
+    return fly_along(header, late_s=-early_s, relaid=(Issue(hold_s, hold.reference),), **how)
+
+
+def fly_and_replan(
+    header: FlightHeader, corners_m: Sequence[tuple[float, float]], replan_s: float, goal: str = "Port"
+) -> Flight:
+    """Change on the first leg to a plan through other corners, of which the first two are the old ones."""
+    path_m = header.reference.path_at_time(replan_s)
+    points = make_points(corners_m)
+    goals = tuple(replace(known, reachable=True) for known in header.plan.goals)
+    plan = replace(make_header(corners_m).plan, goal=goal, goals=goals)
+    onward = Reference.through(points, turn_radius_m=150.0, loiter_radius_m=200.0, lead_in_s=0.0)
+    joint = next(joints(header.reference, make_points(CORNERS), path_m))
+    reference = joined(header.reference, path_m, joint, onward)
+    flight = fly_along(header, relaid=(Issue(replan_s, reference),), until_s=plan.duration_s)
+    told = "forecast of 00:00 UTC, stage 1: a better one"
+    return replace(flight, plans=(PlanIssue(replan_s, told, plan, True),))
+
+
+_FLOWN: OrderedDict[Any, tuple[FlightHeader, Flight]] = OrderedDict()
+"""The flights flown last, by header and numbers; nothing changes a header or a flight once it is made."""
+
+
+def fly(header: FlightHeader, **how: Any) -> Flight:
+    """As `fly_along`, but not once more what was flown a moment ago."""
+    if not all(isinstance(value, float | int) for value in how.values()):
+        return fly_along(header, **how)
+    key = id(header), *sorted(how.items())
+    if key not in _FLOWN:
+        _FLOWN[key] = header, fly_along(header, **how)  # the header is kept, so that its id stays its own
+        if len(_FLOWN) > FLIGHTS_KEPT:
+            _FLOWN.popitem(last=False)
+    return _FLOWN[key][1]
 
 
 @dataclass(frozen=True)
@@ -208,7 +299,9 @@ class Workshop:
     folder: Path
 
     header = staticmethod(make_header)
-    fly = staticmethod(fly_along)
+    fly = staticmethod(fly)
+    fly_and_hold = staticmethod(fly_and_hold)
+    fly_and_replan = staticmethod(fly_and_replan)
     sheets = staticmethod(make_sheets)
     straight = STRAIGHT
     corners = CORNERS
@@ -225,6 +318,44 @@ class Workshop:
         return read(self.file(flight))
 
 
+@pytest.fixture(autouse=True, scope="session")
+def unhurried():
+    """On a busy machine, too, chunks end where samples fill them."""
+    kept, rerun_writer._LONGEST_WAIT_S = rerun_writer._LONGEST_WAIT_S, math.inf
+    yield
+    rerun_writer._LONGEST_WAIT_S = kept
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory: pytest.TempPathFactory) -> Workshop:
+    """One for all tests of a file, for what they only read."""
+    return Workshop(tmp_path_factory.mktemp("kept"))
+
+
 @pytest.fixture
 def workshop(tmp_path: Path) -> Workshop:
     return Workshop(tmp_path)
+
+
+@pytest.fixture(scope="session")
+def assert_same() -> Callable[[Recording, Flight], None]:
+    """Checks that a recording holds a flight, field by field and to the bit."""
+
+    def check(recording: Recording, flight: Flight) -> None:
+        for name in flight.states[0]._fields:
+            written = np.array([getattr(state, name) for state in flight.states])
+            column = recording.state[name]
+            assert np.array_equal(column, written.astype(column.dtype)), name
+        assert np.array_equal(recording.state["lat_rad"], [state.lat_rad for state in flight.states])
+        assert np.array_equal(recording.guidance["path_m"], [sample.path_m for sample in flight.guidance])
+        assert np.all(recording.guidance["command_altitude_m"] == 1000.0)
+        header, found = flight.header, recording.header
+        for field in fields(header):
+            if field.name != "reference":
+                assert getattr(found, field.name) == getattr(header, field.name), field.name
+        for field in fields(header.reference):
+            ours, theirs = getattr(found.reference, field.name), getattr(header.reference, field.name)
+            assert ours.dtype == theirs.dtype
+            assert np.array_equal(ours, theirs), field.name
+
+    return check

@@ -1,13 +1,15 @@
 """Clearance against the distance of every sample from every hazardous cell."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pyproj
 import pytest
 
+from planner.errors import OutsideGridError
 from planner.grid import Grid
-from recordings.clearance import nearest_approach
+from recordings.clearance import in_closed_cells, nearest_approach
 from recordings.recorder import Layer
 from recordings.recording import HazardSheet
 from recordings.tracking import track
@@ -83,3 +85,59 @@ def test_only_the_truth_counts(workshop):
     header = workshop.header(workshop.straight)
     mixed = [sheet for pair in zip(sheets[::2], none[1::2], strict=True) for sheet in pair]
     assert track(workshop.recording(workshop.fly(header, sheets=mixed))).min_clearance_m is None
+
+
+def closing(sheets, closed, layer=Layer.TRUTH):
+    """The sheets with cells of one layer closed for another reason than the wind."""
+    return [
+        replace(sheet, hazard=sheet.hazard | closed, closed=closed) if sheet.layer is layer else sheet
+        for sheet in sheets
+    ]
+
+
+@pytest.mark.parametrize("layer", list(Layer))
+def test_time_in_cells_that_are_truly_closed_is_exposure(workshop, layer):
+    grid, header = workshop.grid, workshop.header(workshop.straight, leg_s=300.0)
+    plain = workshop.fly(header, sheets=workshop.sheets(np.zeros(grid.shape, bool)))
+    cells = [grid.nearest_cell(state.lat_rad, state.lon_rad) for state in plain.states]
+    middle = cells[len(cells) // 2]
+    closed = np.zeros(grid.shape, bool)
+    closed[middle] = True
+    sheets = closing(workshop.sheets(np.zeros(grid.shape, bool)), closed, layer)
+    report = track(workshop.recording(workshop.fly(header, sheets=sheets)))
+    inside = [state.time_s for state, cell in zip(plain.states, cells, strict=True) if cell == middle]
+    if layer is Layer.FORECAST:  # what was only feared is no exposure
+        assert report.hazard_exposure_s == 0.0
+        return
+    assert len(inside) > 20
+    assert report.hazard_exposure_s == pytest.approx(0.1 * len(inside))
+    assert report.worst["hazard_exposure_s"].time_s == pytest.approx(inside[0])
+    assert report.min_clearance_m < 0.5 * float(grid.north_cell_m[0] + grid.east_cell_m.max())
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_closed_cells_are_those_that_a_sample_lies_in(seed):
+    random = np.random.default_rng(seed)
+    grid = Grid.covering(*map(math.radians, (10.0, 12.0, 179.0, 181.0)), rows=9, columns=7)
+    none = np.zeros(grid.shape, bool)
+    sheets = [
+        HazardSheet(Layer.TRUTH, stage, 100.0 * stage, 15.0, grid, none, closed=closed)
+        for stage, closed in enumerate(
+            [random.random(grid.shape) < 0.4, None, random.random(grid.shape) < 0.4]
+        )
+    ]
+    time_s = np.sort(random.uniform(0.0, 300.0, 200))
+    lat_rad, lon_rad = (
+        np.radians(random.uniform(9.8, 12.2, 200)),
+        np.radians(random.uniform(178.8, 181.2, 200)),
+    )
+    lon_rad = np.where(lon_rad > math.pi, lon_rad - 2.0 * math.pi, lon_rad)
+    found = in_closed_cells(sheets, time_s, lat_rad, lon_rad)
+    for sample, (now_s, lat, lon) in enumerate(zip(time_s, lat_rad, lon_rad, strict=True)):
+        closed = sheets[int(now_s // 100.0)].closed
+        try:
+            expected = closed is not None and closed[grid.nearest_cell(lat, lon)]
+        except OutsideGridError:
+            expected = False
+        assert found[sample] == expected
+    assert 20 < found.sum() < 120

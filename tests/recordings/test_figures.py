@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from recordings.figures import Extent, Largest, Places, Spread, Statistics
+from recordings.figures import Extent, Largest, Places, Spread, Statistics, clock_tenths
 
 
 @pytest.fixture
 def places():
-    return Places(np.arange(101.0), np.linspace(-50.0, 50.0, 101), np.linspace(100.0, 0.0, 101))
+    phase = np.ones(101, np.int64)
+    return Places(np.arange(101.0), np.linspace(-50.0, 50.0, 101), np.linspace(100.0, 0.0, 101), phase)
 
 
 def test_a_spread_is_of_absolute_errors(places):
@@ -32,6 +33,18 @@ def test_an_extent_keeps_the_moments_of_both_ends(places):
     assert statistics.extent("air_mps", np.arange(101.0)[::-1] - 50.0, places) == Extent(-50.0, 0.0, 50.0)
     assert str(statistics.worst["air_mps.min"]) == "-50 m/s at 00:01:40, 50.00 N 0.00 E"
     assert str(statistics.worst["air_mps.max"]) == "50 m/s at 00:00:00, 50.00 S 100.00 E"
+
+
+def test_a_moment_without_a_unit_has_one_space(places):
+    assert str(places.moment(0, 0.0, "")) == "0 at 00:00:00, 50.00 S 100.00 E"
+
+
+@pytest.mark.parametrize(
+    ("time_s", "text"),
+    [(1080.22, "00:18:00.2"), (3599.96, "01:00:00.0"), (-30.25, "-00:00:30.3"), (-0.04, "00:00:00.0")],
+)
+def test_a_clock_with_tenths(time_s, text):
+    assert clock_tenths(time_s) == text
 
 
 def test_nothing_is_none(places):

@@ -1,16 +1,14 @@
-"""Limits: what can be written, and that each of them can fail."""
+"""Limits on the figures of a report: that each of them can fail; and limits from files."""
 
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from recordings.errors import BadLimitError
 from recordings.limits import figure_kinds, judge, load_limits, parse_limits
-from recordings.recorder import Outcome
+from recordings.recorder import Outcome, PlanIssue
 from recordings.tracking import track
 
 TIGHT = (
@@ -50,6 +48,12 @@ TIGHT = (
     "wind_estimate_error_mps.mean <= 0.6",
     "wind_estimate_error_mps.p95 <= 0.6",
     "wind_estimate_error_mps.max <= 0.6",
+    "delay_s <= 0.1",
+    "holds == 0",
+    "forecasts == 1",
+    "plan_changes == 0",
+    'destination == "Port"',
+    "level_changes == 0",
 )
 
 POSITION_ESTIMATE, WIND_ESTIMATE = (
@@ -78,7 +82,23 @@ def broken_flights(workshop):
         "scenario": (replace(clean, header=replace(header, scenario="calm")), {"scenario"}),
         "seed": (replace(clean, header=replace(header, seed=8)), {"seed"}),
         "outcome": (replace(clean, outcome=Outcome.FUEL_OUT), {"outcome"}),
-        "goal": (replace(clean, header=replace(header, plan=replace(plan, goal="Isle"))), {"goal"}),
+        "goal": (
+            replace(
+                clean,
+                header=replace(header, plan=replace(plan, goal="Isle")),
+                plans=same_but_to(plan, "Isle"),
+            ),
+            {"goal", "arrived", "destination"},
+        ),
+        "without forecasts": (replace(clean, plans=()), {"forecasts"}),
+        "replanned": (
+            workshop.fly_and_replan(header, workshop.corners, 50.0),
+            {"plan_changes"},
+        ),
+        "diverted": (
+            workshop.fly_and_replan(header, workshop.corners, 50.0, goal="Isle"),
+            {"plan_changes", "arrived", "destination"},
+        ),
         "aside": (
             workshop.fly(header, right_m=60.0),
             {"arrived", "cross_track_m.mean", "cross_track_m.p95", "cross_track_m.max"},
@@ -94,6 +114,16 @@ def broken_flights(workshop):
                 "waypoint_time_error_s.p95",
                 "waypoint_time_error_s.max",
                 "flight_time_s",
+                "delay_s",
+            },
+        ),
+        "early, then held": (
+            workshop.fly_and_hold(header, early_s=70.0, hold_s=100.0),
+            {
+                "waypoint_time_error_s.mean",
+                "waypoint_time_error_s.p95",
+                "waypoint_time_error_s.max",
+                "holds",
             },
         ),
         "short": (
@@ -105,6 +135,7 @@ def broken_flights(workshop):
                 "waypoint_time_error_s.mean",
                 "waypoint_time_error_s.p95",
                 "waypoint_time_error_s.max",
+                "delay_s",
             },
         ),
         "slow": (replace(clean, states=slow), {"airspeed_mps.min", "airspeed_mps.mean"}),
@@ -131,7 +162,19 @@ def broken_flights(workshop):
             {"planned_time_s", "flight_time_s"},
         ),
         "cut corners": (workshop.fly(blunt(header)), {"corner_cut_m.max"}),
+        "planned over a level": (workshop.fly(climbing(header)), {"level_changes"}),
     }
+
+
+def same_but_to(plan, goal):
+    return (PlanIssue(60.0, "unchanged", replace(plan, goal=goal), False),)
+
+
+def climbing(header):
+    """The plan's second and third waypoint at another level, to which no reference leads."""
+    first, *middle, last = header.plan.waypoints
+    higher = [replace(point, altitude_m=point.altitude_m + 50.0) for point in middle]
+    return replace(header, plan=replace(header.plan, waypoints=(first, *higher, last)))
 
 
 def blunt(header):
@@ -164,10 +207,10 @@ def test_one_thing_wrong_breaks_its_limits_and_no_others(workshop):
     assert broken == set(figure_kinds()), "a limit that nothing breaks"
 
 
-@pytest.fixture
-def tracking(workshop):
-    flight = workshop.fly(workshop.header(workshop.straight), right_m=0.5)
-    return track(workshop.recording(flight.changed(1234, altitude_m=1003.0)))
+@pytest.fixture(scope="module")
+def tracking(kept):
+    flight = kept.fly(kept.header(kept.straight), right_m=0.5)
+    return track(kept.recording(flight.changed(1234, altitude_m=1003.0)))
 
 
 @pytest.mark.parametrize(
@@ -176,6 +219,10 @@ def tracking(workshop):
         (
             "cross_track_m.p95<=0.1",
             "FAIL cross_track_m.p95 <= 0.1: 0.5 (over by 0.4), worst 0.5 m at 00:0",
+        ),
+        (
+            "cross_track_m.mean < 0.1",
+            "FAIL cross_track_m.mean < 0.1: 0.5 (over by 0.4), worst 0.5 m at 00:0",
         ),
         (
             " altitude_error_m.max <= 12 ",
@@ -203,9 +250,23 @@ def test_a_verdict_is_one_line(tracking, limit, line):
     assert verdict.passed == line.startswith("PASS")
 
 
+def test_percentiles_against_sorting(tracking):
+    airspeed_mps = np.sort(tracking.series.airspeed_mps)
+    for share in (0, 25, 50, 99.9, 100):
+        (verdict,) = judge(tracking, parse_limits([f"airspeed_mps.p{share} >= 0"]))
+        at = share / 100.0 * (len(airspeed_mps) - 1)
+        low, high = airspeed_mps[math.floor(at)], airspeed_mps[math.ceil(at)]
+        assert verdict.value == pytest.approx(low + (at % 1.0) * (high - low))
+
+
 def test_what_was_not_measured_fails(workshop):
     flight = workshop.fly(workshop.header(workshop.straight), until_s=-5.0)
     limits = (
+        "cross_track_m within 100",
+        "airspeed_mps always > 0",
+        "never crashed",
+        'never "minute"',
+        "clearance_m.min >= 0",
         "cross_track_m.max <= 100",
         "hazard_exposure_s != 5",
         "min_clearance_m >= 0",
@@ -228,60 +289,6 @@ def test_no_limits_are_no_pass(tracking):
         judge(tracking, [])
 
 
-@pytest.mark.parametrize(
-    ("limit", "message"),
-    [
-        ("", "cannot be understood"),
-        ("arrived", "cannot be understood"),
-        ("2 >= cross_track_m.p95", "cannot be understood"),
-        ("cross_track_m.p95 =< 2", "compares with|cannot be understood"),
-        ("cross_track_m.p95 = 2", "cannot be understood"),
-        ("cross_track_m.p95 <= 2 and arrived == true", "no value"),
-        ("cross_track_m.p95 <= two", "with two, no value"),
-        ("cross_track_m.p95 <= NaN", "is a number"),
-        ("cross_track_m.p95 <= Infinity", "is a number"),
-        ("cross_track_m.p95 <= 1" + "0" * 400, "is a number"),
-        ("cross_track_m.p95 <= true", "is a number"),
-        ("cross_track_m.p95 <= [2]", "is a number"),
-        ("arrived == 1", "arrived is true or false"),
-        ("arrived == null", "arrived is true or false"),
-        ("arrived <= true", "use =="),
-        ('outcome < "arrived"', "use =="),
-        ("outcome == 3", 'outcome is a "text"'),
-        ('outcome != "crahsed"', "did you mean crashed"),
-        ("cros_track_m.p95 <= 2", r"did you mean cross_track_m\.p95\?"),
-        ("cross_track_m.p99 <= 2", r"did you mean cross_track_m\.p95"),
-        ("cross_track_m <= 2", r"cross_track_m\.mean or cross_track_m\.p95 or cross_track_m\.max"),
-        ("series <= 2", "no report has"),
-        ("worst.arrived <= 2", "no report has"),
-        ("__class__ == 2", "no report has"),
-    ],
-)
-def test_limits_that_are_refused(limit, message):
-    with pytest.raises(BadLimitError, match=message):
-        parse_limits([limit])
-
-
-@given(text=st.text(max_size=40))
-def test_any_text_is_a_limit_or_refused(text):
-    try:
-        (limit,) = parse_limits([text])
-    except BadLimitError:
-        return
-    assert limit.name in figure_kinds()
-
-
-@given(
-    name=st.sampled_from([name for name, kind in figure_kinds().items() if kind is float]),
-    comparison=st.sampled_from(["<", "<=", ">", ">=", "==", "!="]),
-    bound=st.integers(-999, 999),
-)
-def test_a_limit_is_written_as_it_is_read(name, comparison, bound):
-    text = f"{name} {comparison} {bound}"
-    (limit,) = parse_limits([text])
-    assert str(limit) == text
-
-
 def test_limits_from_a_file(tmp_path):
     path = tmp_path / "limits.toml"
     path.write_text('limits = [\n "arrived == true", # comment\n "cross_track_m.p95 <= 2",\n]\n')
@@ -297,7 +304,7 @@ def test_limits_from_a_file(tmp_path):
         (b'limits = "arrived == true"', "must hold"),
         (b'limits = ["arrived == true"]\nextra = 1', "must hold"),
         (b"limits = [", "not TOML"),
-        (b"\xff\xfe", "not TOML"),
+        (b"\xff\xfe", "not text in UTF-8"),
         (b'limits = ["arived == true"]', "did you mean arrived"),
     ],
 )

@@ -10,9 +10,9 @@ from mcap.records import Chunk, Message, MessageIndex
 from mcap.stream_reader import StreamReader, get_chunk_data_stream
 
 
-@pytest.fixture
-def path(workshop):
-    return workshop.file(workshop.fly(workshop.header(workshop.straight)))
+@pytest.fixture(scope="module")
+def path(kept):
+    return kept.file(kept.fly(kept.header(kept.straight)))
 
 
 def test_every_message_is_where_its_index_says(path):

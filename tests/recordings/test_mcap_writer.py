@@ -1,5 +1,6 @@
 """What the recorder writes, read by the mcap package and by the descriptors in the file."""
 
+import itertools
 import json
 import math
 from dataclasses import replace
@@ -14,14 +15,16 @@ from planner.grid import LocalFrame
 from recordings.errors import RecordingError
 from recordings.mcap_reader import read
 from recordings.mcap_writer import McapRecorder
+from recordings.messages import plan_path_message
 from recordings.poses import east_north_up_quaternion
+from recordings.protobuf_types import message_type
 from recordings.recorder import Outcome
 from recordings.schema import ESTIMATE, SAMPLES_PER_CHUNK, TOPICS
 
 
-@pytest.fixture
-def flight(workshop):
-    return workshop.fly(workshop.header(workshop.corners))
+@pytest.fixture(scope="module")
+def flight(kept):
+    return kept.fly(kept.header(kept.corners))
 
 
 def decoded(path):
@@ -237,6 +240,26 @@ def test_the_plan_lies_in_the_plane(workshop, flight):
     (message,) = on_topic(workshop.file(flight), "/plan/path")
     found = [(pose.position.y, pose.position.x) for pose in message.poses]
     assert np.array(found) == pytest.approx(np.array(workshop.corners), abs=1e-6)
+
+
+def test_waypoints_face_the_next_one(workshop, flight):
+    (message,) = on_topic(workshop.file(flight), "/plan/path")
+    assert len(message.poses) > 2
+    for here, there in itertools.pairwise(message.poses):
+        forward = Rotation.from_quat(
+            [here.orientation.x, here.orientation.y, here.orientation.z, here.orientation.w]
+        ).apply([1.0, 0.0, 0.0])
+        leg = np.array([there.position.x - here.position.x, there.position.y - here.position.y, 0.0])
+        assert forward == pytest.approx(leg / np.linalg.norm(leg), abs=1e-9)
+    assert message.poses[-1].orientation == message.poses[-2].orientation
+
+
+def test_a_waypoint_of_a_wait_faces_as_the_one_before(workshop):
+    first, second, *rest = workshop.header(workshop.corners).plan.waypoints
+    plan = replace(workshop.header(workshop.corners).plan, waypoints=(first, second, second, *rest))
+    path = message_type("foxglove.PosesInFrame").FromString(plan_path_message(plan, workshop.grid.frame, 0))
+    assert path.poses[1].orientation == path.poses[0].orientation
+    assert path.poses[2].orientation != path.poses[1].orientation
 
 
 def test_the_weather_lies_right_under_the_path(workshop, flight):

@@ -8,8 +8,6 @@ from hypothesis import strategies as st
 from planner.grid import Grid
 from recordings.rerun_chart import Chart
 
-HAZARDOUS_RED = 100  # every hazard colour has more, no colour of calm cells has
-
 
 def grid_of(south_deg, north_deg, west_deg, east_deg, rows, columns):
     bounds = (math.radians(angle_deg) for angle_deg in (south_deg, north_deg, west_deg, east_deg))
@@ -34,15 +32,14 @@ def pixel_centres(chart):
 def test_each_pixel_has_the_weather_of_the_cell_nearest_to_its_position(chart, seed):
     grid = chart.grid
     hazard = np.random.default_rng(seed).random(grid.shape) < 0.5
-    nothing = np.zeros(grid.shape, bool)
-    picture = chart.picture(hazard, nothing, np.full(grid.shape, 10.0, np.float32))
+    picture = chart.upright(hazard)
     east_km, north_km = pixel_centres(chart)
     lat_rad, lon_rad = grid.frame.to_geodetic(1000.0 * north_km, 1000.0 * east_km)
     rows, columns = grid.indices(lat_rad, lon_rad)
     inside = rows > -0.5
     rows, columns = np.rint(rows[inside]).astype(int), np.rint(columns[inside]).astype(int)
     rows = np.minimum(rows, grid.rows - 1)
-    np.testing.assert_array_equal((picture[..., 0] > HAZARDOUS_RED)[inside], hazard[rows, columns])
+    np.testing.assert_array_equal(picture[inside], hazard[rows, columns])
 
 
 def test_the_picture_covers_the_grid_and_less_than_a_pixel_more(chart):
@@ -56,25 +53,23 @@ def test_the_picture_covers_the_grid_and_less_than_a_pixel_more(chart):
     assert extent.east - extent.west == pytest.approx(chart.cell_km * chart.shape[1])
 
 
-def test_stronger_wind_is_drawn_brighter_in_hazard_and_out_of_it(chart):
-    nothing = np.zeros(chart.grid.shape, bool)
-    for hazard in (nothing, ~nothing):
-        brightness = [
-            int(chart.picture(hazard, nothing, np.full(chart.grid.shape, speed, np.float32))[0, 0].sum())
-            for speed in (2.0, 16.0, 28.0, 50.0)
-        ]
-        assert brightness == sorted(brightness)
-        assert brightness[0] < brightness[-1]
+def test_the_view_leaves_room_for_legend_and_labels_in_the_proportions_of_the_screen(chart):
+    view, extent, px_km = chart.view, chart.extent, chart.px_km
+    assert extent.west - view.west == pytest.approx(236.0 * px_km)
+    assert view.west < extent.west < extent.east < view.east
+    assert view.south < extent.south < extent.north < view.north
+    assert view.east - view.west <= 830.0 * px_km * (1.0 + 1e-9)
+    assert view.north - view.south <= 612.0 * px_km * (1.0 + 1e-9)
+    fills = (view.east - view.west) / 830.0, (view.north - view.south) / 612.0
+    assert max(fills) == pytest.approx(px_km)
 
 
-def test_only_the_edge_of_the_forecast_hazard_is_marked(chart):
-    nothing = np.zeros(chart.grid.shape, bool)
-    block = nothing.copy()
-    block[30:60, 20:50] = True
-    calm = np.zeros(chart.grid.shape, np.float32)
-    marked = np.any(chart.picture(nothing, block, calm) != chart.picture(nothing, nothing, calm), axis=-1)
-    columns = marked.sum(axis=1)
-    assert set(columns.tolist()) == {0, 2, 30}  # none beside it, two sides, and the whole of top and bottom
+def test_cells_lie_where_their_latitudes_and_longitudes_do(chart):
+    east_km, north_km = chart.cells_km
+    grid = chart.grid
+    for row, column in ((0, 0), (40, 13), (89, 79)):
+        at_km = chart.km(math.degrees(grid.lat_rad[row]), math.degrees(grid.lon_rad[column]))
+        assert (east_km[column], north_km[row]) == pytest.approx(at_km)
 
 
 def test_lines_of_the_graticule_carry_the_degrees_where_they_lie(chart):

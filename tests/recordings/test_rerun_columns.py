@@ -8,8 +8,8 @@ from rerun.chunk import RrdReader
 from recordings.mcap_reader import read
 from recordings.mcap_writer import McapRecorder
 from recordings.recorder import Recorders
-from recordings.rerun_columns import SAMPLES_PER_CHUNK
 from recordings.rerun_writer import RerunRecorder
+from recordings.samples import MOST
 
 
 def columns(path, topic, names):
@@ -33,8 +33,8 @@ def test_both_files_hold_the_same_samples(workshop, tmp_path, topic):
     flight.record(Recorders([McapRecorder(mcap), RerunRecorder(rrd)]))
     recording = read(mcap)
     written = {"/state": recording.state, "/guidance": recording.guidance}[topic]
-    assert len(written) > SAMPLES_PER_CHUNK
-    assert len(written) % SAMPLES_PER_CHUNK
+    assert len(written) > MOST
+    assert len(written) % MOST
     found = columns(rrd, topic, written.dtype.names)
     assert np.array_equal(found["flight_time"].astype(np.int64), np.rint(written["time_s"] * 1e9))
     for name in written.dtype.names:

@@ -8,8 +8,8 @@ import psutil
 import pytest
 from PIL import Image
 
-from recordings.errors import BadRecordingError, RecordingError
-from recordings.rerun_replay import picture, replay, rerun_file
+from recordings.errors import RecordingError
+from recordings.rerun_replay import picture, replay
 from recordings.rerun_scene import FLOWN_COLOUR, PLAN_COLOUR
 from recordings.rerun_writer import RerunRecorder
 
@@ -17,16 +17,16 @@ LONG_CORNERS = ((-40e3, -80e3), (-40e3, 20e3), (20e3, 20e3), (20e3, 60e3))
 LEG_S = 1200.0
 
 
-@pytest.fixture
-def recording(workshop, tmp_path):
+@pytest.fixture(scope="module")
+def recording(kept):
     """A flight over an hour that crosses most of the chart."""
     sheets = [
         replace(sheet, stage=stage, time_s=sheet.time_s if stage == 0 else 600.0 * stage)
         for stage in range(6)
-        for sheet in workshop.sheets(stages=1)
+        for sheet in kept.sheets(stages=1)
     ]
-    flight = workshop.fly(workshop.header(LONG_CORNERS, LEG_S), hz=1, sheets=sheets)
-    path = tmp_path / "flight.rrd"
+    flight = kept.fly(kept.header(LONG_CORNERS, LEG_S), hz=1, sheets=sheets)
+    path = kept.folder / "flight.rrd"
     flight.record(RerunRecorder(path))
     return path
 
@@ -65,7 +65,7 @@ def test_a_partial_recording_gives_a_picture_in_the_size_asked_for(recording, wo
     recorder = RerunRecorder(tmp_path / "other.rrd")
     workshop.fly(workshop.header(LONG_CORNERS, LEG_S), hz=1, until_s=500.0).record(recorder, finish=False)
     recorder.abandon()
-    assert pictured(recorder.partial_path, tmp_path / "o.png", size=(800, 450)).shape == (450, 800, 3)
+    assert pictured(recorder.partial_path, tmp_path / "o.png", size_px=(800, 450)).shape == (450, 800, 3)
 
 
 def no_viewer_is_left():
@@ -88,22 +88,28 @@ def test_the_folder_of_the_picture_must_be_there(recording, tmp_path):
         picture(recording, tmp_path / "nowhere" / "picture.png")
 
 
-def test_an_mcap_recording_leads_to_the_rerun_recording_beside_it(recording):
-    assert rerun_file(recording.with_suffix(".mcap")) == recording
+@pytest.mark.parametrize(("at_s", "text"), [(7200.0, "2:00:00"), (-1.0, "-0:00:01")])
+def test_a_moment_outside_the_flight_is_refused_with_its_range(recording, tmp_path, at_s, text):
+    with pytest.raises(RecordingError, match=rf"^{text} is not in the flight.* from 0:00:00 to 1:00:00"):
+        picture(recording, tmp_path / "picture.png", at_s=at_s)
 
 
-def test_a_recording_that_is_not_there_is_named(tmp_path):
-    with pytest.raises(RecordingError, match=r"there is no Rerun recording .*lost\.rrd; `galeway fly`"):
-        rerun_file(tmp_path / "lost.rrd")
-    with pytest.raises(RecordingError, match=r"lost\.rrd beside lost\.mcap; `galeway fly`"):
-        rerun_file(tmp_path / "lost.mcap")
+def test_a_picture_that_cannot_be_written_is_refused_before_it_is_drawn(recording, tmp_path):
+    (tmp_path / "folder.png").mkdir()
+    for out in (tmp_path / "folder.png", tmp_path / "closed" / "picture.png"):
+        out.parent.mkdir(exist_ok=True)
+        if out.name == "picture.png":
+            out.parent.chmod(0o500)
+            if os.access(out.parent, os.W_OK):
+                continue  # who may write everywhere is not refused
+        with pytest.raises(RecordingError, match="it is a folder or not permitted"):
+            picture(recording, out)
 
 
-def test_another_kind_of_file_is_refused(tmp_path):
-    path = tmp_path / "plan.json"
-    path.write_text("{}")
-    with pytest.raises(BadRecordingError, match=r"plan\.json is not a Rerun recording"):
-        rerun_file(path)
+def test_a_viewer_that_is_not_installed_is_asked_for(recording, tmp_path, monkeypatch):
+    monkeypatch.setattr("recordings.viewer_program.find_spec", {}.get)
+    with pytest.raises(RecordingError, match="the Rerun viewer is not installed; `pip install"):
+        picture(recording, tmp_path / "picture.png")
 
 
 @pytest.mark.skipif(os.name != "posix", reason="other systems always have a screen")

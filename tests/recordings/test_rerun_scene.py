@@ -8,6 +8,7 @@ import rerun as rr
 from rerun.chunk import RrdReader
 
 from recordings.rerun_chart import Chart
+from recordings.rerun_labels import HEIGHT_PX, width_px
 from recordings.rerun_scene import Scene, curve, south
 
 
@@ -17,10 +18,13 @@ def header(workshop):
 
 
 def drawn(header, path):
-    """Entity to its static components, by name."""
+    """Entity to its components, by name."""
     stream = rr.RecordingStream("test", recording_id="scene", send_properties=False)
     stream.save(path)
-    Scene(header, Chart(header.grid)).draw(stream)
+    scene = Scene(header, Chart(header.grid))
+    scene.draw(stream)
+    for entity, archetype in scene.route(header.plan):
+        stream.log(entity, archetype)
     stream.flush()
     stream.disconnect()
     components = {}
@@ -38,23 +42,72 @@ def test_the_plan_is_drawn_through_its_waypoints_in_both_views(header, tmp_path)
     )
     (flat,), (raised,) = components["/chart/plan", "strips"], components["/scene/plan", "strips"]
     np.testing.assert_allclose(flat, np.column_stack([east_km, -north_km]), atol=1e-4)
-    heights_km = np.full(len(raised), Scene(header, Chart(header.grid)).heights_by)  # at 1000 m
+    scene = Scene(header, Chart(header.grid))
+    heights_km = np.full(len(raised), scene.heights_by - 1.5 * scene.chart.px_km)  # 1000 m, under the flight
     np.testing.assert_allclose(raised, np.column_stack([east_km, north_km, heights_km]), atol=1e-4)
 
 
 def test_each_place_is_named_and_one_without_a_route_is_marked(header, tmp_path):
     components = drawn(header, tmp_path / "scene.rrd")
-    assert components["/chart/places", "labels"] == ["goal: Port", "× Isle", "start"]
-    assert components["/scene/places", "labels"] == ["goal: Port", "start"]
+    assert components["/chart/places/names", "labels"] == ["start", "goal: Port", "× Isle"]
+    assert components["/scene/places", "labels"] == ["start", "goal: Port"]
     assert len(set(components["/chart/places", "colors"])) == 3
 
 
 def test_the_legend_names_the_threshold_and_the_length_of_its_bar(header, tmp_path):
     components = drawn(replace(header, threshold_mps=12.5), tmp_path / "scene.rrd")
     names = components["/chart/legend/names", "labels"]
-    assert "wind over 12.5 m/s" in names
+    assert {"plan", "reference", "flown", "× no route", "12.5 m/s, true", "12.5 m/s, forecast"} <= set(names)
     (begin, end) = components["/chart/legend", "strips"][-1]
     assert names[-1] == f"{end[0] - begin[0]:g} km"
+
+
+def test_where_all_places_can_be_reached_the_legend_has_no_sign_for_others(header, tmp_path):
+    plan = replace(header.plan, goals=header.plan.goals[:1])
+    components = drawn(replace(header, plan=plan), tmp_path / "scene.rrd")
+    assert "× no route" not in components["/chart/legend/names", "labels"]
+
+
+@pytest.mark.parametrize(
+    ("entity", "edges"),
+    [
+        ("chart/legend/scale", ["43", "33", "25", "18", "15", "10", "5", "0"]),
+        ("chart/weather/difference/scale", ["+5", "+2", "+1", "+0.1", "-0.1", "-1", "-2", "-5"]),
+    ],
+)
+def test_the_scales_of_colours_have_a_number_at_each_edge(header, tmp_path, entity, edges):
+    components = drawn(replace(header, threshold_mps=18.0), tmp_path / "scene.rrd")
+    title, *numbers = components[f"/{entity}_names", "labels"]
+    assert "m/s" in title
+    assert numbers == edges
+    (picture,) = components[f"/{entity}", "buffer"]
+    assert len(picture) == 3 * len(edges) + 3 * ("difference" in entity)
+
+
+def test_no_label_of_the_chart_hides_another(header, tmp_path):
+    components, chart = drawn(header, tmp_path / "scene.rrd"), Chart(header.grid)
+    boxes = []
+    for (entity, name), texts in components.items():
+        if name == "labels" and entity.startswith("/chart") and "difference" not in entity:
+            for text, place in zip(texts, components[entity, "positions"], strict=True):
+                boxes.append((np.array(place) / chart.px_km, np.array([width_px(text), HEIGHT_PX]), text))
+    for i, (place, size, text) in enumerate(boxes):
+        for other, other_size, other_text in boxes[:i]:
+            apart = abs(place - other) >= 0.9 * (size + other_size) / 2.0  # widths are estimates
+            assert apart.any(), (text, other_text)
+
+
+def test_the_aircraft_has_a_glyph_on_the_chart_and_a_lit_body_in_the_oblique_view(header, tmp_path):
+    components = drawn(header, tmp_path / "scene.rrd")
+    _, wing, _ = components["/chart/aircraft/glyph", "strips"]
+    assert wing[0][0] == -wing[-1][0] != 0.0
+    corners = np.array(components["/scene/aircraft/mesh", "vertex_positions"])
+    normals = np.array(components["/scene/aircraft/mesh", "vertex_normals"])
+    span_km = corners[:, 1].max() - corners[:, 1].min()
+    assert span_km == pytest.approx(0.3 * Scene(header, Chart(header.grid)).eye.distance_km, rel=1e-4)
+    assert corners.shape == normals.shape
+    assert len(corners) % 3 == 0
+    assert len(components["/scene/aircraft/mesh", "vertex_colors"]) == len(corners)
 
 
 def test_the_drawn_curve_is_the_reference(header):

@@ -15,9 +15,8 @@ def test_tables_hold_every_field_in_its_place(workshop):
     samples = Samples()
     for state, guidance in zip(flight.states, flight.guidance, strict=True):
         samples.add(state, guidance)
-    assert len(samples) == len(flight.states)
-    state_table, guidance_table = samples.take()
-    assert len(samples) == 0
+    assert samples.total == len(flight.states)
+    state_table, guidance_table = samples.between(0, samples.total)
     steps = np.array([column.step for column in STATE_COLUMNS])
     assert (np.abs(state_table - np.array(flight.states)) <= steps / 2.0).all()
     flat = [

@@ -10,9 +10,9 @@ from recordings.recorder import Layer
 from recordings.tracking import track
 
 
-@pytest.fixture
-def flight(workshop):
-    return workshop.fly(workshop.header(workshop.straight))
+@pytest.fixture(scope="module")
+def flight(kept):
+    return kept.fly(kept.header(kept.straight))
 
 
 def refused(workshop, flight, message):

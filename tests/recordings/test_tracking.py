@@ -119,7 +119,9 @@ def test_a_slow_second_opinion_agrees(workshop):
         expected_m = second.reference.path_at_time(state.time_s)
         path_m, cross_m = second.nearest(state.lat_rad, state.lon_rad, expected_m - 100.0, expected_m + 100.0)
         assert series.cross_track_m[7 * index] == pytest.approx(cross_m, abs=0.003)
-        assert series.path_m[7 * index] == pytest.approx(path_m, abs=0.05)
+        assert series.to_go_m[7 * index] == pytest.approx(
+            second.reference.waypoint_path_m[-1] - path_m, abs=0.05
+        )
         paths_m.append(path_m)
     for waypoint in (1, 2, 3):
         waypoint_m = second.reference.waypoint_path_m[waypoint]

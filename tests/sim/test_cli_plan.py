@@ -75,12 +75,23 @@ def test_a_goal_without_a_way_is_an_answer(galeway, tmp_path):
     ("more", "words"),
     [
         (["--start", "0,0", "--goal", "9,9", "--index", "0"], ["(9, 9)", "4 rows and 5 columns"]),
-        (["--start", "0;0", "--goal", "0,1", "--index", "0"], ["'0;0'", "ROW,COLUMN"]),
+        (["--start", "0;0", "--goal", "0,1", "--index", "0"], ["--start '0;0'", "ROW,COLUMN"]),
         (["--start", "0,0", "--goal", "0,1", "--index", "5"], ["--index 5", "2 sets"]),
         (["--start", "0,0", "--goal", "0,1"], ["[stage, row, column]"]),
         (["--start", "0,0", "--goal", "0,1", "--index", "0", "--alpha", "nan"], ["alpha", "nan"]),
         (["--start", "0,0", "--goal", "0,1", "--index", "0", "--objective", "best"], ["'best'", "earliest"]),
-        (["--start", "0,0", "--goal", "0,1", "--index", "0", "--key", "night"], ["day", "--key"]),
+        (
+            ["--start", "0,0", "--goal", "0,1", "--index", "0", "--key", "night"],
+            ["day", "--key, not 'night'"],
+        ),
+        (
+            ["--start", "0,0", "--goal", "0,1", "--index", "0", "--members", "night"],
+            ["day, other; name one with --members, not 'night'"],
+        ),
+        (
+            ["--start", "0,0", "--goal", "0,1", "--index", "0", "--members", "other"],
+            ["members of shape (3,); give"],
+        ),
         (["--index", "0"], ["--start"]),
     ],
 )
@@ -135,3 +146,17 @@ def test_planners_are_compared(galeway):
     unknown = galeway("compare", SHORT, "--only", "oracle")
     assert unknown.returncode == 2
     assert "'oracle'" in unknown.stderr
+
+
+def test_a_scenario_and_matrices_exclude_each_other(galeway, matrices):
+    done = galeway("plan", "ian", "--hazards", str(matrices), "--start", "0,0", "--goal", "1,3")
+    assert done.returncode == 2
+    assert "give the scenario 'ian' or --hazards, not both" in done.stderr
+
+
+@pytest.mark.parametrize("option", ["--out", "--export", "--isochrones"])
+def test_a_folder_that_is_not_there_is_found_before_the_planning(galeway, tmp_path, option):
+    done = galeway("plan", "ian", option, str(tmp_path / "no" / "plan.npy"))
+    assert done.returncode == 2
+    assert f"there is no folder {tmp_path / 'no'} for plan.npy; make it first" in done.stderr
+    assert done.stdout == ""

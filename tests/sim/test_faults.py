@@ -82,6 +82,36 @@ def test_what_is_not_a_number_ends_the_flight_before_it_is_recorded(flown, kind,
     assert not report.arrived
 
 
+def test_a_flight_that_never_comes_back_is_given_up(flown):
+    end, recording, report = flown(
+        '[{kind = "wind_step", time_s = 300, north_mps = 60}]', "flight.late_limit_s=20"
+    )
+    assert end.outcome is Outcome.CANNOT_FOLLOW
+    assert end.time_s == pytest.approx(recording.header.plan.duration_s + 20.0, abs=1.0)
+    assert "limit 20 s" in end.detail
+    assert not report.arrived
+
+
+def test_a_fault_behind_the_end_of_the_plan_is_refused(ready):
+    late = 'faults=[{kind = "engine_failure", time_s = 5}, {kind = "wind_step", time_s = 99999}]'
+    with pytest.raises(
+        ScenarioError, match=r"faults\[1\].time_s is 99999, but .* ends after 1080 s.*earlier"
+    ):
+        ready(late)
+    with pytest.raises(
+        ScenarioError, match=r"faults\[1\].time_s is 99999, but the last stage ends after 3600 s"
+    ):
+        ready(late, "planner.replan=each_stage")
+
+
+def test_a_fault_that_the_flight_was_over_before_is_a_warning(flown):
+    later = '{kind = "wind_step", time_s = 900}, {kind = "engine_failure", time_s = 901}'
+    end, recording, _ = flown(f'[{{kind = "wind_nan", time_s = 45}}, {later}]')
+    assert told(recording, "wind_step of 900 s did not strike") == [pytest.approx(end.time_s)]
+    assert told(recording, "engine_failure of 901 s did not strike") == [pytest.approx(end.time_s)]
+    assert len(told(recording, "did not strike")) == 2
+
+
 def test_a_wind_step_of_20_mps_in_a_second_is_come_through(flown):
     step = '[{kind = "wind_step", time_s = 300, north_mps = 14.2, east_mps = -14.2, duration_s = 1.0}]'
     end, recording, report = flown(step, "flight.off_path_limit_m=2000", "stages.count=3")
@@ -90,6 +120,7 @@ def test_a_wind_step_of_20_mps_in_a_second_is_come_through(flown):
     struck = (state["time_s"] > 300.0) & (state["time_s"] < 360.0)
     assert np.abs(state["altitude_m"][struck] - 1000.0).max() < 60.0
     assert state["airspeed_mps"][struck].min() > 12.0
+    assert told(recording, "the wind changes by 20.0818 m/s") == [pytest.approx(300.0)]
     assert report.worst
 
 

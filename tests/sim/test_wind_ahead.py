@@ -12,7 +12,7 @@ from planner.grid import Grid
 from planner.windfield import WindField
 from sim.wind_ahead import WIND_RAMP_S, WindAhead
 
-RATE_HZ, STEPS = 60.0, 6
+RATE_HZ, STEPS = 60.0, 12
 START_LAT_RAD, START_LON_RAD = math.radians(28.0), math.radians(-84.0)
 GRID = Grid.covering(
     START_LAT_RAD - 0.01,
@@ -53,7 +53,9 @@ def flown(field, duration_s, lead_in_s=30.0):
     aircraft.watch(field, lambda time_s: max(time_s, 0.0))
     wind = WindAhead(field.probe(), 0.0, lead_in_s)
     for _ in range(round((lead_in_s + duration_s) * RATE_HZ / STEPS)):
-        wind.fly(aircraft, aircraft.state(), STEPS, STEPS / RATE_HZ)
+        wind.look(aircraft, aircraft.state(), STEPS, STEPS / RATE_HZ)
+        wind.fly(aircraft, STEPS // 2)
+        wind.fly(aircraft, STEPS // 2)
     return aircraft
 
 

@@ -66,7 +66,9 @@ def test_longitudes_to_360_mean_the_same_area():
     [((19.0, 22.0, -91.0, -89.0), "latitudes"), ((21.0, 22.0, -91.0, -87.0), "longitudes")],
 )
 def test_an_area_outside_the_file_is_refused(bounds, word):
-    with pytest.raises(WeatherError, match=f"wind.nc does not hold all {word}"):
+    with pytest.raises(
+        WeatherError, match=f"wind.nc covers 20.00 to 24.00 deg north .* and does not hold all {word}"
+    ):
         refined_grid(NATIVE, GridTable(3600.0, *bounds), "wind.nc")
 
 
@@ -80,8 +82,18 @@ def test_a_file_up_to_the_poles_asks_for_an_area():
 
 
 def test_an_unknown_storm_is_refused():
-    with pytest.raises(WeatherError, match="there are AL092022"):
+    with pytest.raises(WeatherError, match=r"there are .*AL092022.* for another one name a best track"):
         bring_weather(load_scenario("ian", ["weather.storm=AL112022"]))
+
+
+def test_a_storm_comes_from_a_best_track_of_ones_own(data_folder):
+    path = data_folder / "hurdat2_atlantic_2021_2022.txt"
+    few = ["stages.count=1", "grid.cell_m=20000.0"]
+    own = bring_weather(load_scenario("ian", [*few, f'weather.file="{path}"']))
+    shipped = bring_weather(load_scenario("ian", few))
+    np.testing.assert_array_equal(own.forecast.north_mps, shipped.forecast.north_mps)
+    with pytest.raises(WeatherError, match="cannot read the best track"):
+        bring_weather(load_scenario("ian", ["weather.file=missing.txt"]))
 
 
 @pytest.mark.parametrize("factor", [0.8, 1.2])
@@ -96,3 +108,30 @@ def test_a_truth_stronger_or_weaker_than_the_forecast(factor):
 def test_a_truth_without_wind_is_refused():
     with pytest.raises(ScenarioError, match="speed_factor"):
         load_scenario("ian", ["weather.truth.speed_factor=0.0"])
+
+
+def test_forecasts_are_right_unless_the_scenario_says_otherwise():
+    weather = bring_weather(load_scenario("ian", ["stages.count=1"]))
+    assert weather.issued is None
+    assert weather.members is None
+
+
+def test_a_growing_error_gives_a_forecast_for_every_stage_and_its_ensemble():
+    error = ["weather.error.kind=growing", "weather.error.members=3"]
+    coarse = ["stages.count=6", "grid.cell_m=20000.0"]
+    weather = bring_weather(load_scenario("ian", coarse + error))
+    asked = bring_weather(load_scenario("ian", coarse))
+    np.testing.assert_array_equal(weather.truth.north_mps, asked.truth.north_mps)
+    off = np.abs(weather.forecast.north_mps - weather.truth.north_mps).max(axis=(1, 2))
+    assert off[0] == 0.0
+    assert off[-1] > 2.0
+    np.testing.assert_array_equal(weather.issued(0).north_mps, weather.forecast.north_mps)
+    late = np.abs(weather.issued(5).north_mps - weather.truth.north_mps).max(axis=(1, 2))
+    assert (late[:11] == 0.0).all()  # five hours of known weather
+    assert 0.0 < late[-1] < off[-1]
+    assert len(weather.members(2)) == 3
+
+
+def test_members_of_forecasts_that_do_not_err_are_refused():
+    with pytest.raises(ScenarioError, match=r"weather\.error\.members is 3, but forecasts do not err"):
+        load_scenario("ian", ["weather.error.members=3"])

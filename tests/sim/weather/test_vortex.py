@@ -14,12 +14,12 @@ from planner.grid import Grid
 from planner.windfield import WindField
 from sim.errors import WeatherError
 from sim.weather.best_track import (
-    HURRICANE_IAN,
     KNOT_MPS,
     QUADRANT_BEARINGS_RAD,
     RADIUS_SPEEDS_MPS,
     BestTrackFix,
 )
+from sim.weather.storms import HURRICANE_IAN, STORMS
 from sim.weather.vortex import quadrant_profiles, vortex_field
 
 GEOD = pyproj.Geod(ellps="WGS84")
@@ -27,6 +27,11 @@ AREA = Grid.covering(*map(math.radians, (22.5, 38.5, -91.5, -72.5)), rows=495, c
 INFLOW_RAD = math.radians(20.0)
 FIXES = pytest.mark.parametrize(
     "fix", HURRICANE_IAN, ids=lambda fix: f"{datetime.fromtimestamp(fix.time_s, UTC):%d-%H%M}"
+)
+EVERY_FIX = pytest.mark.parametrize(
+    "fix",
+    [fix for fixes in STORMS.values() for fix in fixes],
+    ids=lambda fix: f"{datetime.fromtimestamp(fix.time_s, UTC):%Y%m%d-%H%M}",
 )
 QUADRANTS = pytest.mark.parametrize("quadrant", range(4), ids=("NE", "SE", "SW", "NW"))
 
@@ -224,3 +229,76 @@ def test_times_and_fixes_that_do_not_fit_are_refused() -> None:
         vortex_field(HURRICANE_IAN, AREA, [begin_s], outer_exponent=0.5)
     with pytest.raises(WeatherError, match="rise in time"):
         vortex_field(HURRICANE_IAN[::-1], AREA, [begin_s])
+
+
+@EVERY_FIX
+def test_the_profiles_of_every_storm_meet_its_published_radii_and_maximum(fix: BestTrackFix) -> None:
+    profiles = quadrant_profiles(fix)
+    for quadrant, profile in enumerate(profiles):
+        for speed_mps, radii_m in zip(RADIUS_SPEEDS_MPS, fix.radii_m, strict=True):
+            if radii_m[quadrant]:
+                assert profile.speed_mps(radii_m[quadrant]) == pytest.approx(speed_mps, rel=1e-9)
+    strongest_mps = max(float(np.exp(profile.log_speed.max())) for profile in profiles)
+    assert strongest_mps == pytest.approx(fix.max_wind_mps, rel=0.1)
+
+
+@EVERY_FIX
+def test_the_gridded_wind_of_every_storm_has_its_published_radii(fix: BestTrackFix) -> None:
+    """On cells of 3.6 km around each place alone, read between the cells."""
+    for quadrant, bearing_rad in enumerate(QUADRANT_BEARINGS_RAD):
+        for speed_mps, radii_m in zip(RADIUS_SPEEDS_MPS, fix.radii_m, strict=True):
+            if not radii_m[quadrant]:
+                continue
+            lat_rad, lon_rad = away(fix, bearing_rad, radii_m[quadrant])
+            step = 3600.0 / 6371e3
+            here = Grid(lat_rad - 0.6 * step, lon_rad - 0.6 * step, step, step, 2, 2)
+            field = vortex_field(around(fix), here, [fix.time_s])
+            assert field.at(fix.time_s, lat_rad, lon_rad).speed_mps == pytest.approx(speed_mps, rel=0.1)
+    centre = Grid(fix.lat_rad, fix.lon_rad, 1e-4, 1e-4, 1, 1)
+    calm = vortex_field(around(fix), centre, [fix.time_s])
+    assert calm.at(fix.time_s, fix.lat_rad, fix.lon_rad).speed_mps < 0.05
+
+
+def around(fix: BestTrackFix) -> tuple[BestTrackFix, ...]:
+    """The fix and the one before or after it: all that its moment needs."""
+    fixes = next(fixes for fixes in STORMS.values() if fix in fixes)
+    first = min(fixes.index(fix), len(fixes) - 2)
+    return fixes[first : first + 2]
+
+
+STORM_AND_SHARE = {"storm": st.sampled_from(sorted(STORMS)), "share": st.floats(0.0, 1.0)}
+
+
+@given(**STORM_AND_SHARE, distance_m=st.floats(2e3, 600e3), bearing_deg=st.floats(0.0, 360.0))
+def test_no_storm_has_a_seam_between_quadrants_at_any_time(
+    storm: str, share: float, distance_m: float, bearing_deg: float
+) -> None:
+    """Two places a tenth of a degree of bearing apart have nearly one wind, wherever they lie."""
+    fixes = STORMS[storm]
+    moment_s = fixes[0].time_s + share * (fixes[-1].time_s - fixes[0].time_s)
+    lat_rad, lon_rad = (
+        float(np.interp(moment_s, [fix.time_s for fix in fixes], [getattr(fix, name) for fix in fixes]))
+        for name in ("lat_rad", "lon_rad")
+    )
+    winds = []
+    for bearing_rad in np.radians((bearing_deg - 0.05, bearing_deg + 0.05)):
+        lon, lat, _ = GEOD.fwd(lon_rad, lat_rad, bearing_rad, distance_m, radians=True)
+        here = Grid(lat, lon, 1e-4, 1e-4, 1, 1)
+        field = vortex_field(fixes, here, [moment_s])  # refuses what is not finite
+        winds.append((float(field.north_mps[0, 0, 0]), float(field.east_mps[0, 0, 0])))
+    change_mps = math.dist(*winds)
+    assert change_mps < 4.0 * math.radians(0.1) * math.hypot(*winds[0]) + 1e-4
+
+
+@given(**STORM_AND_SHARE)
+def test_no_storm_jumps_in_time(storm: str, share: float) -> None:
+    """Not at a fix either: within a minute wind changes by what a minute can move it."""
+    fixes = STORMS[storm]
+    moment_s = fixes[0].time_s + share * (fixes[-1].time_s - fixes[0].time_s - 60.0)
+    nearest = min(fixes[1:-1], key=lambda fix: abs(fix.time_s - moment_s))
+    for begin_s in (moment_s, nearest.time_s - 30.0):
+        step = 0.012
+        area = Grid(nearest.lat_rad - 7 * step, nearest.lon_rad - 7 * step, step, step, 15, 15)
+        field = vortex_field(fixes, area, [begin_s, begin_s + 60.0])
+        change_mps = np.hypot(np.diff(field.north_mps, axis=0), np.diff(field.east_mps, axis=0))
+        assert change_mps.max() < 4.0

@@ -1,0 +1,1 @@
+"""What is hazardous besides the mean wind."""

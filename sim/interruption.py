@@ -1,0 +1,43 @@
+"""Ctrl-C between two rounds of a flight, never in the middle of one."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+
+@contextmanager
+def put_off() -> Iterator[Callable[[], None]]:
+    """Hold a first Ctrl-C back until it is let in; a second one stops whatever is being done, as always.
+
+    Python raises `KeyboardInterrupt` between any two instructions, also where half of a sample is recorded.
+
+    Yields:
+        What lets it in: raises `KeyboardInterrupt` if Ctrl-C was pressed. As the end of the block does.
+        Outside the main thread, to which all signals go, there is nothing to hold back.
+    """
+    pressed = False
+
+    def press(_number: int, _frame: FrameType | None) -> None:
+        nonlocal pressed
+        if pressed:
+            raise KeyboardInterrupt
+        pressed = True
+
+    def let_in() -> None:
+        if pressed:
+            raise KeyboardInterrupt
+
+    before = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or before is not signal.default_int_handler:
+        yield let_in  # somebody else has a use for it, such as a worker of a campaign, which ignores it
+        return
+    signal.signal(signal.SIGINT, press)
+    try:
+        yield let_in
+        let_in()
+    finally:
+        signal.signal(signal.SIGINT, before)
