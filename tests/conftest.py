@@ -14,6 +14,8 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from aircraft.description import BUILT_IN
+from recordings.errors import RecordingError
+from recordings.rerun_viewer import headless
 from sim.cli import main
 
 # No test depends on the wall's clock: where the machine is busy, examples take longer.
@@ -71,6 +73,25 @@ def data_folder() -> Path:
             f"no real weather: {folder} is not a folder; set GALEWAY_DATA to the one with the weather files"
         )
     return folder
+
+
+@pytest.fixture(scope="session")
+def without_vulkan(tmp_path_factory) -> str:
+    """Why the viewer can draw nothing on this machine, or an empty text where it can."""
+    try:
+        with headless(tmp_path_factory.mktemp("viewer"), (320, 180)):
+            return ""
+    except RecordingError as error:
+        if "there is no Vulkan driver" in str(error):
+            return str(error)
+        raise
+
+
+@pytest.fixture
+def vulkan(without_vulkan):
+    """For tests that need the viewer to draw."""
+    if without_vulkan:
+        pytest.skip(without_vulkan)
 
 
 @pytest.fixture(scope="session")

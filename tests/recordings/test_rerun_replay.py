@@ -32,13 +32,8 @@ def recording(kept):
 
 
 def pictured(path, out, **options):
-    """The pixels of a picture, shape (down, right, 3), or a skipped test."""
-    try:
-        picture(path, out, **options)
-    except RecordingError as error:
-        if "there is no Vulkan driver" in str(error):
-            pytest.skip(str(error))
-        raise
+    """The pixels of a picture, shape (down, right, 3)."""
+    picture(path, out, **options)
     return np.asarray(Image.open(out).convert("RGB")).astype(int)
 
 
@@ -47,6 +42,7 @@ def like(pixels, colour, within=40):
     return int(np.sum(np.abs(pixels - np.array(colour)).max(axis=-1) <= within))
 
 
+@pytest.mark.usefixtures("vulkan")
 def test_the_picture_shows_hazard_plan_and_flight(recording, tmp_path):
     early = pictured(recording, tmp_path / "early.png", at_s=300.0)
     late = pictured(recording, tmp_path / "late.png")
@@ -61,6 +57,7 @@ def test_the_picture_shows_hazard_plan_and_flight(recording, tmp_path):
     assert no_viewer_is_left()
 
 
+@pytest.mark.usefixtures("vulkan")
 def test_a_partial_recording_gives_a_picture_in_the_size_asked_for(recording, workshop, tmp_path):
     recorder = RerunRecorder(tmp_path / "other.rrd")
     workshop.fly(workshop.header(LONG_CORNERS, LEG_S), hz=1, until_s=500.0).record(recorder, finish=False)
