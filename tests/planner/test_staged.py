@@ -16,8 +16,8 @@ from planner.route import Route
 from planner.score import Weights
 from planner.staged import Blocked, StagedProblem, search
 
-# With this gamma, in worlds of so few steps, moves never weigh exactly as much as whole cells of mean clearance:
-# of two labels worth the same, rounding would choose one, and what follows from them differs.
+# With this gamma, in worlds of so few steps, moves never weigh just as much as whole cells of mean clearance.
+# Of two labels worth the same rounding would choose one, and what follows from them differs.
 WEIGHTS = Weights(alpha=1.0, beta=2.0, gamma=0.29, delta=0.2, clearance_cap_cells=4.0)
 
 
