@@ -212,7 +212,14 @@ class Grid:
         """The area in degrees, for messages."""
         south, north = math.degrees(self.lat_rad[0]), math.degrees(self.lat_rad[-1])
         west, east = math.degrees(self.lon_rad[0]), math.degrees(self.lon_rad[-1])
-        return f"{south:.2f} to {north:.2f} deg north and {west:.2f} to {east:.2f} deg east"
+        return area_text(south, north, west, east)
+
+
+def area_text(south_deg: float, north_deg: float, west_deg: float, east_deg: float) -> str:
+    """An area for messages; its west edge from -180 to 180 as scenarios count, its east edge east of that."""
+    turns_deg = 360.0 * math.floor((west_deg + 180.0) / 360.0)
+    west_deg, east_deg = west_deg - turns_deg, east_deg - turns_deg
+    return f"{south_deg:.2f} to {north_deg:.2f} deg north, {west_deg:.2f} to {east_deg:.2f} deg east"
 
 
 def geodesic_m(lat_1_rad: Any, lon_1_rad: Any, lat_2_rad: Any, lon_2_rad: Any) -> Any:

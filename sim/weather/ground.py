@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.grid import area_text
 from sim.errors import WeatherError
 from sim.weather.axes import Axes
 
@@ -72,11 +73,8 @@ class Ground:
     def describe(self) -> str:
         """Size and area, for messages."""
         rows, columns = self.row_order.size, self.column_order.size
-        return (
-            f"{rows} x {columns} points from {self.lat_deg.min():.2f} to {self.lat_deg.max():.2f} deg "
-            "north and "
-            f"{self.lon_deg.min():.2f} to {self.lon_deg.max():.2f} deg east"
-        )
+        area_deg = (self.lat_deg.min(), self.lat_deg.max(), self.lon_deg.min(), self.lon_deg.max())
+        return f"{rows} x {columns} points from {area_text(*area_deg)}"
 
     def window(self, area_deg: Bounds | None, spare: int = 0) -> Window:
         """The rows and columns around an area, all without one; `spare` more on each side.
@@ -108,7 +106,7 @@ class Ground:
         rows, columns = np.flatnonzero(inside.any(axis=1)), np.flatnonzero(inside.any(axis=0))
         if rows.size < 2 or columns.size < 2:
             raise WeatherError(
-                f"it has {self.describe()}, and nothing in {_text(area_deg)}; choose an area inside"
+                f"it has {self.describe()}, and nothing in {area_text(*area_deg)}; choose an area inside"
             )
         rows, columns = np.arange(rows[0], rows[-1] + 1), np.arange(columns[0], columns[-1] + 1)
         part = np.ix_(rows, columns)
@@ -198,8 +196,3 @@ def _run(places: Places) -> slice | Places:
     if places.size > 1 and (steps == -1).all():
         return slice(int(places[0]), int(places[-1]) - 1 if places[-1] else None, -1)
     return places
-
-
-def _text(area_deg: Bounds) -> str:
-    south, north, west, east = area_deg
-    return f"{south:.2f} to {north:.2f} deg north, {west:.2f} to {east:.2f} deg east"

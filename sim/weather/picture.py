@@ -87,6 +87,7 @@ def draw_weather(path: Path, panels: Panels, *, threshold_mps: float, title: str
         if number < count:
             shaded = _draw_panel(axis, panels, number, threshold_mps, top_mps)
             axis.set_aspect(stretch)
+            axis.tick_params(axis="x", labelbottom=number + across >= count)  # the lowest of its column
             axis.locator_params(axis="x", nbins=min(names, _MOST_NAMES), steps=[1, 2, 5, 10], min_n_ticks=1)
         else:
             axis.set_axis_off()

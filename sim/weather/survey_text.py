@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from planner.grid import area_text
 from sim.weather.survey import Quantity, Survey
 from sim.weather.tally import StageShare
 from sim.weather.times import utc
@@ -49,13 +50,11 @@ def _variables(survey: Survey) -> list[str]:
 
 
 def _whereabouts(quantity: Quantity) -> Iterator[str]:
-    south, north, west, east = quantity.area_deg
     rows, columns = quantity.points
     down_km, across_km = quantity.spacing_km
     yield (
-        f"area      {south:.2f} to {north:.2f} deg north, {west:.2f} to {east:.2f} deg east; {rows} x "
-        f"{columns} "
-        f"points, {down_km:.1f} x {across_km:.1f} km "
+        f"area      {area_text(*quantity.area_deg)}; {rows} x {columns} points, "
+        f"{down_km:.1f} x {across_km:.1f} km "
         f"apart{', on a map projection' if quantity.curved else ''}"
     )
     if quantity.issued_s is not None:

@@ -120,7 +120,8 @@ class Tally:
             p95 = float(np.interp(0.95, part, self.edges_mps[1:])) if total else math.nan
             one = levels._replace(values=levels.values[level : level + 1])
             mean = float(self.sums[level] / total) if total else math.nan
-            found.append(SpeedAtLevel(one.describe(), mean, p95, float(self.highest[level])))
+            highest = float(self.highest[level])  # which lies within its bin, below the edge that p95 may be
+            found.append(SpeedAtLevel(one.describe(), mean, min(p95, highest), highest))
         return tuple(found)
 
 

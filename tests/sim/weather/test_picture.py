@@ -100,3 +100,16 @@ def test_no_more_panels_than_can_be_looked_at(count):
 def test_a_time_that_the_wind_does_not_hold_is_refused():
     with pytest.raises(PlannerError, match="1970-01-01T05"):
         panels_of(wind(), [5 * 3600.0])
+
+
+def test_each_column_names_its_meridians_once(monkeypatch, tmp_path):
+    from matplotlib.figure import Figure
+
+    figures = []
+    monkeypatch.setattr(Figure, "savefig", lambda figure, *_, **__: figures.append(figure))
+    panels = Panels(GRID, 3600.0 * np.arange(6), np.ones((6, *GRID.shape)))
+    draw_weather(tmp_path / "names.png", panels, threshold_mps=15.0, title="names")
+    (figure,) = figures
+    figure.draw_without_rendering()
+    named = [any(tick.get_visible() for tick in axis.get_xticklabels()) for axis in figure.axes[:6]]
+    assert named == [False, False, True, True, True, True]

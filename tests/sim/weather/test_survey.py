@@ -1,6 +1,7 @@
 """What `galeway weather` says of files, against xarray's own answers."""
 
 import json
+import math
 import sys
 
 import numpy as np
@@ -152,6 +153,25 @@ def test_the_text_and_the_json_say_the_same(path):
     assert parsed["quantity"]["time_s"][-1] == "2024-02-29T04:00:00Z"
     assert parsed["quantity"]["stages"][1]["begin_s"] == "2024-02-28T23:00:00Z"
     assert parsed["flyable"] is True
+
+
+@pytest.mark.parametrize(
+    ("turned_deg", "told"), [(360.0, "-2.00 to 2.00 deg east"), (179.0, "177.00 to 181.00 deg east")]
+)
+def test_an_area_is_told_as_scenarios_count_it(turned_deg, told, tmp_path):
+    data = ensemble()
+    data["longitude"] = data.longitude + turned_deg
+    data.to_netcdf(tmp_path / "wind.nc")
+    assert f"north, {told};" in survey_text(survey([tmp_path / "wind.nc"]))
+
+
+def test_the_95th_percentile_is_never_above_the_highest(tmp_path):
+    data = ensemble()
+    for name in ("u", "v"):
+        data[name][:] = 3.0
+    data.to_netcdf(tmp_path / "wind.nc")
+    for speed in survey([tmp_path / "wind.nc"]).quantity.speeds:
+        assert speed.p95_mps == speed.highest_mps == pytest.approx(math.hypot(3.0, 3.0))
 
 
 @pytest.mark.parametrize(
