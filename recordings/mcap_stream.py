@@ -26,6 +26,7 @@ from recordings.content import Content
 from recordings.errors import BadRecordingError
 from recordings.mcap_tail import read_tail
 from recordings.schema import STATE
+from recordings.unreadable import unreadable
 
 _RECORD = struct.Struct("<BQ")
 _LARGEST_CHUNK = 1 << 28  # of other writers; those of galeway are of a quarter of a megabyte
@@ -78,7 +79,7 @@ def collect(path: Path, *, heads: bool = False) -> Collector:
             with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
                 collector.collect(content)
     except OSError as error:
-        raise BadRecordingError(f"cannot read the recording {path}: {error.strerror}") from error
+        raise unreadable(path, error) from error
     if not collector.ended:
         collector.add(read_tail(path, collector.intact))
     return collector

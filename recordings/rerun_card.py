@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from datetime import UTC, datetime
 
-from recordings.figures import number
 from recordings.limits import Verdict
 from recordings.overlay import Overlaid
 from recordings.recorder import FlightHeader
@@ -57,7 +56,7 @@ def verdicts_card(verdicts: Sequence[Verdict]) -> str:
     passed = sum(verdict.passed for verdict in verdicts)
     head = (f"**{passed} of {len(verdicts)} limits hold**", "measured", "")
     rows = (
-        (_short(str(verdict.limit)), _value(verdict), "PASS" if verdict.passed else "**FAIL**")
+        (_short(str(verdict.limit)), verdict.value_text, "PASS" if verdict.passed else "**FAIL**")
         for verdict in sorted(verdicts, key=lambda verdict: verdict.passed)
     )
     return _table([head, *rows])
@@ -72,13 +71,6 @@ def _table(rows: Sequence[tuple[str, ...]]) -> str:
 def _short(limit: str) -> str:
     """A limit in the width of the view; the events have it whole."""
     return limit if len(limit) <= _WIDTH else f"{limit[: _WIDTH - 3]}..."
-
-
-def _value(verdict: Verdict) -> str:
-    value = verdict.value
-    if isinstance(value, bool) or value is None:
-        return {True: "true", False: "false", None: "nothing"}[value]
-    return number(value) if isinstance(value, float) else str(value)
 
 
 def flights_card(flights: Sequence[Overlaid]) -> str:

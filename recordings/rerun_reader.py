@@ -20,6 +20,7 @@ from recordings.recording import Recording
 from recordings.rerun_entities import HEADER_ENTITY, MESSAGE, MESSAGE_TOPICS, METADATA, SUMS, entity_of
 from recordings.rerun_frames import MAGIC, DamagedError, tables
 from recordings.schema import OUTCOME, PLAN_ATTACHMENT, SAMPLED, SCENARIO_ATTACHMENT, Column
+from recordings.unreadable import unreadable
 
 Tables = dict[str, list[pa.RecordBatch]]
 
@@ -50,7 +51,7 @@ def take_apart(path: Path) -> Content:
             with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
                 return _content(path, *_collect(content))
     except OSError as error:
-        raise BadRecordingError(f"cannot read the recording {path}: {error.strerror}") from error
+        raise unreadable(path, error) from error
 
 
 def _collect(content: mmap.mmap) -> tuple[Tables, str]:

@@ -24,6 +24,7 @@ from recordings.rerun_overlay import record_overlay
 from recordings.rerun_times import TIMELINE
 from recordings.rerun_writer import RerunRecorder
 from recordings.tracking import track
+from recordings.unreadable import unreadable
 from recordings.viewer_program import viewer
 
 Say = Callable[[str], object]
@@ -75,7 +76,7 @@ def _is_rerun(path: Path) -> bool:
         with path.open("rb") as stream:
             return stream.read(len(_MAGIC)) == _MAGIC
     except OSError as error:
-        raise BadRecordingError(f"cannot read the recording {path}: {error.strerror}") from error
+        raise unreadable(path, error) from error
 
 
 def _drawn(path: Path, folder: Path, say: Say) -> Path:

@@ -18,6 +18,7 @@ from sim.cli_repair import repair
 from sim.cli_replay import picture, replay
 from sim.cli_reproduce import reproduce
 from sim.cli_weather import weather
+from sim.interruption import terminated_as_interrupted
 
 
 def main() -> None:
@@ -28,7 +29,8 @@ def main() -> None:
     from sim.errors import SimError
 
     try:
-        commands(prog_name="galeway", standalone_mode=False)
+        with terminated_as_interrupted():
+            commands(prog_name="galeway", standalone_mode=False)
     except (SimError, PlannerError, AircraftError, RecordingError) as error:
         click.secho(f"galeway: {error}", fg="red", err=True)
         sys.exit(BAD_INPUT)

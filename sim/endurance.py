@@ -31,10 +31,14 @@ def short_of_fuel(plan: Plan, aircraft: AircraftFolder, cruise_mps: float, altit
         return None
     lasting_s = plan.duration_s * stand.fuel_kg / burned_kg
     return (
-        f"the way to {plan.goal} takes {_h_mm(plan.duration_s)} h and about {burned_kg:.1f} kg of fuel; "
-        f"{aircraft.name} holds {stand.fuel_kg:.1f} kg, enough for {_h_mm(lasting_s)} h; choose a nearer "
+        f"the way to {plan.goal} takes {_h_mm(plan.duration_s)} h and about {_kg(burned_kg)} of fuel; "
+        f"{aircraft.name} holds {_kg(stand.fuel_kg)}, enough for {_h_mm(lasting_s)} h; choose a nearer "
         "goal, a plan with less waiting, or an aircraft with larger tanks"
     )
+
+
+def _kg(mass_kg: float) -> str:
+    return f"{mass_kg:.1f} kg" if mass_kg >= 1.0 else f"{mass_kg:.2g} kg"
 
 
 def _h_mm(time_s: float) -> str:

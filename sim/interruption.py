@@ -1,4 +1,4 @@
-"""Ctrl-C between two rounds of a flight, never in the middle of one."""
+"""Ctrl-C between two rounds of a flight, never in the middle of one; and SIGTERM, likewise."""
 
 from __future__ import annotations
 
@@ -7,6 +7,25 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
+
+
+@contextmanager
+def terminated_as_interrupted() -> Iterator[None]:
+    """Let SIGTERM, as of a batch system whose time is up, end what is done in the block as Ctrl-C does."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, _interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def _interrupt(_number: int, _frame: FrameType | None) -> None:
+    if not callable(signal.getsignal(signal.SIGINT)):  # in the background of a script Ctrl-C is ignored
+        raise KeyboardInterrupt
+    signal.raise_signal(signal.SIGINT)
 
 
 @contextmanager

@@ -125,6 +125,14 @@ def test_the_readmes_commands_run_as_they_stand(galeway, tmp_path, arguments):
     assert galeway(*arguments, cwd=tmp_path).returncode == 0
 
 
+def test_the_readmes_limits_hold(ian, galeway, tmp_path):
+    (limits,) = [part.split("```")[0] for part in readme().split("```toml\n# limits.toml\n")[1:]]
+    (tmp_path / "limits.toml").write_text(limits)
+    done = galeway("check", str(ian[1] / "flight.mcap"), "--limits", str(tmp_path / "limits.toml"))
+    assert done.returncode == 0, done.stdout
+    assert done.stdout.count("PASS") == 5
+
+
 def test_the_readmes_code_runs(ian, tmp_path):
     (code,) = [part.split("```")[0] for part in readme().split("```python\n")[1:]]
     (tmp_path / "runs").mkdir()

@@ -1,3 +1,4 @@
+import re
 from dataclasses import replace
 
 import pytest
@@ -57,9 +58,16 @@ def test_the_verdicts_tell_limit_value_and_whether_it_holds(workshop):
         "|---|---|---|",
         f"| cross_track_m.p95 <= 2 | {tracking.cross_track_m.p95:.4g} | **FAIL** |",
         "| arrived == true | true | PASS |",
-        '| outcome == "arrived" | arrived | PASS |',
+        '| outcome == "arrived" | "arrived" | PASS |',
         f"| altitude_error_m.max < 9 | {tracking.altitude_error_m.max:.4g} | PASS |",
     ]
+
+
+def test_a_time_of_flight_is_told_as_on_a_clock(workshop):
+    tracking = track(workshop.recording(workshop.fly(workshop.header(workshop.straight))))
+    card = verdicts_card(judge(tracking, parse_limits(["arrived before 18:00"])))
+    (row,) = [line for line in card.splitlines() if line.startswith("| arrived before")]
+    assert re.fullmatch(r"\| arrived before 18:00 \| 00:\d\d:\d\d\.\d \| PASS \|", row)
 
 
 def test_before_the_flight_is_judged_its_limits_stand_there():

@@ -7,7 +7,7 @@ from contextlib import suppress
 import pytest
 
 from sim.closed_loop import fly
-from sim.interruption import put_off
+from sim.interruption import put_off, terminated_as_interrupted
 
 
 @pytest.fixture(autouse=True)
@@ -62,6 +62,20 @@ def test_the_second_one_does_not_wait():
     with pytest.raises(KeyboardInterrupt):
         do(pressed, pressed, lambda _: done.append("anything"))
     assert not done
+
+
+def test_sigterm_waits_as_it_does():
+    done, before = [], signal.getsignal(signal.SIGTERM)
+    with pytest.raises(KeyboardInterrupt), terminated_as_interrupted():
+        do(lambda _: signal.raise_signal(signal.SIGTERM), lambda _: done.append("this round"), let_in_now)
+    assert done == ["this round"]
+    assert signal.getsignal(signal.SIGTERM) is before
+
+
+def test_where_ctrl_c_is_ignored_sigterm_is_not():
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with pytest.raises(KeyboardInterrupt), terminated_as_interrupted():
+        signal.raise_signal(signal.SIGTERM)
 
 
 def test_an_error_is_not_hidden_by_it():
