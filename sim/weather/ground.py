@@ -48,7 +48,7 @@ class Ground:
 
     A regular ground has its latitudes sorted to rise, shape (rows,), and its longitudes likewise, shape
     (columns,); `row_order` and `column_order` say where they are in the file. A curved one has both of shape
-    (rows, columns), as in the file. Longitudes have no jump [deg].
+    (rows, columns), as in the file. Longitudes have no jump, and the westernmost is from -180 to 180 [deg].
     """
 
     lat_deg: Floats
@@ -121,10 +121,10 @@ def find_ground(variable: xr.DataArray, axes: Axes) -> Ground:
     """
     lat_deg, lon_deg = (_angles_deg(variable[name], axes) for name in (axes.lat, axes.lon))
     if not axes.curved:
-        lon_deg = np.unwrap(lon_deg, period=360.0)  # 359, 0 becomes 359, 360
+        lon_deg = _from_180_west(np.unwrap(lon_deg, period=360.0))  # 359, 0 becomes 359, 360
         rows, columns = np.argsort(lat_deg, kind="stable"), np.argsort(lon_deg, kind="stable")
         return Ground(lat_deg[rows], lon_deg[columns], rows, columns, curved=False)
-    lon_deg = np.unwrap(np.unwrap(lon_deg, period=360.0, axis=1), period=360.0, axis=0)
+    lon_deg = _from_180_west(np.unwrap(np.unwrap(lon_deg, period=360.0, axis=1), period=360.0, axis=0))
     rows, columns = (np.arange(size) for size in lat_deg.shape)
     return Ground(lat_deg, lon_deg, rows, columns, True, _rises(variable, axes.ground[1]))
 
@@ -169,6 +169,11 @@ def _rises(variable: xr.DataArray, dim: str) -> bool:
         return True
     ends = np.asarray(variable[dim].values, dtype=np.float64)
     return bool(ends[-1] > ends[0])
+
+
+def _from_180_west(lon_deg: Floats) -> Floats:
+    """Longitudes without a jump, counted so that the westernmost lies from -180 to 180, as plans count."""
+    return np.asarray(lon_deg - 360.0 * np.floor((lon_deg.min() + 180.0) / 360.0))
 
 
 def _turned(lon_deg: Floats, west: float, east: float) -> Floats:
