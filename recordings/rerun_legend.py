@@ -49,15 +49,16 @@ class Stroke(NamedTuple):
 
 @dataclass(frozen=True)
 class Legend:
-    """Draws the legend of a chart."""
+    """Draws the legend of a chart; `also`: whether hazard is more than wind over the threshold."""
 
     chart: Chart
     threshold_mps: float
+    also: bool = False
 
     def draw(self, lines: Sequence[Stroke], *, forecast: bool = True) -> Drawn:
         """The legend of `lines`, of the weather, of the forecast where it is drawn, and of the scale."""
         bar_km, wind_km = self.chart.scale_bar_km(), float(arrow_km(self.chart, np.array(20.0)))
-        limit = f"{self.threshold_mps:.4g} m/s"
+        limit = "hazard" if self.also else f"{self.threshold_mps:.4g} m/s"
         strokes = [
             *lines,
             Stroke(f"{limit}, true", EDGE_COLOURS[Layer.TRUTH], EDGE_RADIUS_PX),

@@ -168,7 +168,7 @@ class _Overlay:
 
     def _legend(self) -> Drawn:
         header = self._flights[0].recording.header
-        return Legend(self._chart, header.threshold_mps).draw(
+        return Legend(self._chart, header.threshold_mps, bool(header.also)).draw(
             [
                 Stroke(flight.label, colour, -radius)
                 for flight, colour, radius in zip(self._flights, self._colours, self._radii, strict=True)

@@ -87,13 +87,20 @@ def draw_plots(stream: rr.RecordingStream, header: FlightHeader, times: FlightTi
         stream.log(f"{entity}/limits", line_style(levels), static=True)
     ends_s = header.reference.start_time_s[0], header.reference.end_time_s[-1]
     draw_limits(stream, header, times, np.array(ends_s))
-    stages = header.plan.waypoints[-1].stage + 2  # a late flight sees one more
+    for entity, colours in _LANES.items():
+        stream.log(entity, _lane(colours), static=True)
+
+
+def draw_stages(stream: rr.RecordingStream, plan: Plan) -> None:
+    """Log the colours of the lane of stages, for all of a plan; one made anew can take longer."""
+    stages = max((point.stage for point in plan.waypoints), default=0) + 2  # a late flight sees one more
     numbers = {str(stage): _STAGE_COLOURS[stage % 2] for stage in range(stages)}
-    lanes: Mapping[str, Mapping[str, Colour]] = {**_LANES, "lanes/stage": numbers}
-    for entity, colours in lanes.items():
-        labels = [" " if name == _LEAD_IN else name for name in colours]  # too short for a word
-        states = rr.StateConfiguration(values=list(colours), labels=labels, colors=list(colours.values()))
-        stream.log(entity, states, static=True)
+    stream.log("lanes/stage", _lane(numbers), static=True)
+
+
+def _lane(colours: Mapping[str, Colour]) -> rr.StateConfiguration:
+    labels = [" " if name == _LEAD_IN else name for name in colours]  # too short for a word
+    return rr.StateConfiguration(values=list(colours), labels=labels, colors=list(colours.values()))
 
 
 def draw_limits(stream: rr.RecordingStream, header: FlightHeader, times: FlightTimes, time_s: Floats) -> None:

@@ -56,7 +56,7 @@ def picture(
     Args:
         path: the Rerun file of a flight.
         out: the PNG to write.
-        at_s: moment to show, since departure; the end if None.
+        at_s: moment to show, since departure; the end of the flight if None.
         size_px: width and height.
         small: reduce it to 256 colours, which takes a third of the bytes.
 
@@ -65,14 +65,14 @@ def picture(
             not to be a PNG or cannot be written.
     """
     _check_writable(out)
-    if at_s is not None:
-        _check_within(at_s, last_time_s(path))
+    end_s = last_time_s(path)
+    at_s = end_s if at_s is None else at_s
+    _check_within(at_s, end_s)
     with tempfile.TemporaryDirectory(prefix="galeway-") as folder, headless(Path(folder), size_px) as client:
         drawn = Path(folder) / "picture.png"
         client.open(str(path.resolve()))
         _wait_until_loaded(client)
-        if at_s is not None:
-            client.set_time(TIMELINE, duration=at_s, play_state="paused")
+        client.set_time(TIMELINE, duration=at_s, play_state="paused")
         _draw(client, drawn)
         if small:
             colours = Image.open(drawn).convert("RGB").quantize(256, kmeans=2, dither=Image.Dither.NONE)

@@ -186,7 +186,7 @@ class Scene:
         ]
         if not all(goal.reachable for goal in self.header.plan.goals):
             strokes.append(Stroke("× no route", _UNREACHABLE_COLOUR, 4.0, dot=True))
-        return Legend(self.chart, self.header.threshold_mps).draw(strokes)
+        return Legend(self.chart, self.header.threshold_mps, bool(self.header.also)).draw(strokes)
 
     @property
     def glyph_km(self) -> list[Floats]:

@@ -28,7 +28,7 @@ from recordings.rerun_card import limits_card, run_card, verdicts_card
 from recordings.rerun_chart import Chart
 from recordings.rerun_flight import FlownRows
 from recordings.rerun_log import RerunLog
-from recordings.rerun_plots import draw_limits, draw_plots
+from recordings.rerun_plots import draw_limits, draw_plots, draw_stages
 from recordings.rerun_scene import Scene, flyable
 from recordings.rerun_text import drawable
 from recordings.rerun_times import FlightTimes
@@ -143,6 +143,7 @@ class RerunRecorder:
         stream = self._at(time_s)
         for entity, archetype in self._scene.route(plan):
             stream.log(entity, archetype)
+        draw_stages(stream, plan)
 
     def _draw_reference(self, time_s: float, reference: Reference) -> None:
         stream = self._at(time_s)

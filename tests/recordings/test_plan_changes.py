@@ -5,6 +5,7 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 from mcap.reader import make_reader
+from rerun.chunk import RrdReader
 
 import recordings
 from planner.plans import Plan
@@ -42,6 +43,21 @@ def test_the_rerun_file_tells_the_same(workshop, replanned):
     other = recordings.open(path)
     assert other.plans == workshop.recording(replanned).plans
     assert track(other).to_json() == track(workshop.recording(replanned)).to_json()
+
+
+def test_the_lane_of_stages_has_a_colour_for_each_of_a_longer_plan(workshop, replanned):
+    (first, _), path = replanned.plans, workshop.folder / "flight.rrd"
+    *others, last = first.plan.waypoints
+    plan = replace(first.plan, waypoints=(*others, replace(last, stage=17)))
+    longer = first._replace(plan=plan)
+    replace(replanned, plans=(longer,)).record(RerunRecorder(path))
+    lanes = [
+        chunk.to_record_batch()
+        for chunk in RrdReader(path).stream()
+        if chunk.entity_path == "/lanes/stage" and chunk.is_static
+    ]
+    (name,) = [name for name in lanes[-1].schema.names if name.endswith(":values")]
+    assert lanes[-1].column(name).to_pylist()[-1] == [str(stage) for stage in range(19)]
 
 
 def test_waypoints_are_measured_by_the_plan_that_was_in_force(workshop, replanned):

@@ -55,11 +55,18 @@ def test_each_place_is_named_and_one_without_a_route_is_marked(header, tmp_path)
 
 
 def test_the_legend_names_the_threshold_and_the_length_of_its_bar(header, tmp_path):
-    components = drawn(replace(header, threshold_mps=12.5), tmp_path / "scene.rrd")
+    components = drawn(replace(header, threshold_mps=12.5, also=()), tmp_path / "scene.rrd")
     names = components["/chart/legend/names", "labels"]
     assert {"plan", "reference", "flown", "× no route", "12.5 m/s, true", "12.5 m/s, forecast"} <= set(names)
     (begin, end) = components["/chart/legend", "strips"][-1]
     assert names[-1] == f"{end[0] - begin[0]:g} km"
+
+
+def test_where_more_than_wind_is_hazard_its_outline_is_not_called_the_threshold(header, tmp_path):
+    components = drawn(replace(header, also=("gusts over 20 m/s",)), tmp_path / "scene.rrd")
+    names = set(components["/chart/legend/names", "labels"])
+    assert {"hazard, true", "hazard, forecast"} <= names
+    assert not any("m/s, true" in name for name in names)
 
 
 def test_where_all_places_can_be_reached_the_legend_has_no_sign_for_others(header, tmp_path):
