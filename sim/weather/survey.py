@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +20,7 @@ from sim.weather.forecast import Forecast, WindCubes, open_forecast
 from sim.weather.ground import Ground, Window, spacing_deg
 from sim.weather.spacing import evenly_spaced
 from sim.weather.spans import Spans, over_time
-from sim.weather.tally import SpeedAtLevel, StageShare, Tally
+from sim.weather.tally import STAGE_S, SpeedAtLevel, StageShare, Tally
 from sim.weather.units import METRES_PER_SECOND, factor
 from sim.weather.variables import Role
 
@@ -220,8 +220,16 @@ def _quantity(
         values=tally.values,
         speeds=tally.speeds(cube.levels),
         threshold_mps=threshold_mps,
-        stages=tuple(tally.finished()),
+        stages=tuple(_known(stage, spans.gaps_s()) for stage in tally.finished()),
     )
+
+
+def _known(stage: StageShare, gaps_s: Sequence[tuple[float, float]]) -> StageShare:
+    """A stage whose shares are not known where a part of it lies in a gap."""
+    begin_s, end_s = stage.begin_s + 1.0, stage.begin_s + STAGE_S - 1.0
+    if any(gap_begin_s < end_s and begin_s < gap_end_s for gap_begin_s, gap_end_s in gaps_s):
+        return replace(stage, over=(math.nan,) * len(stage.over))
+    return stage
 
 
 def _sheets(shown: WindCubes | Cube, window: Window) -> Iterator[list[Floats]]:
