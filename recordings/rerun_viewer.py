@@ -6,7 +6,7 @@ import os
 import subprocess
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
@@ -17,6 +17,8 @@ from recordings.viewer_program import LOCAL, free_port, viewer
 
 PATIENCE_S = 120.0
 """What a viewer may take for anything; where it does not answer for so long, something is wrong."""
+
+_LAST_WORDS_S = 2.0
 
 REFUSED = (ConnectionError, TimeoutError, OSError, RuntimeError)
 """What a viewer's client raises, one or the other, when it is not answered."""
@@ -54,6 +56,8 @@ def headless(folder: Path, size: tuple[int, int]) -> Iterator[ViewerClient]:
         try:
             yield _connect(process, f"rerun+http://{LOCAL}:{port}/proxy", log)
         except REFUSED as error:
+            with suppress(subprocess.TimeoutExpired):  # one that breaks down has not said why before it ends
+                process.wait(_LAST_WORDS_S)
             raise RecordingError(f"the Rerun viewer failed: {complaint(log) or error}") from error
         finally:
             process.kill()
