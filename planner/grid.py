@@ -12,6 +12,7 @@ import pyproj
 from numpy.typing import NDArray
 
 from planner.errors import OutsideGridError
+from planner.whereabouts import area_text, place_text
 
 Floats = NDArray[np.float64]
 
@@ -203,23 +204,16 @@ class Grid:
         row, column = self.indices(lat_rad, lon_rad)
         if not (-0.5 <= row <= self.rows - 0.5 and -0.5 <= column <= self.columns - 0.5):
             raise OutsideGridError(
-                f"the {what} at {math.degrees(lat_rad):.3f}, {math.degrees(lon_rad):.3f} deg lies off the "
+                f"the {what} at {place_text(math.degrees(lat_rad), math.degrees(lon_rad), 3)} lies off the "
                 f"grid, which covers {self.describe()}; move it inside or widen the weather's area"
             )
         return min(round(row), self.rows - 1), min(round(column), self.columns - 1)
 
     def describe(self) -> str:
-        """The area in degrees, for messages."""
+        """The area, for messages."""
         south, north = math.degrees(self.lat_rad[0]), math.degrees(self.lat_rad[-1])
         west, east = math.degrees(self.lon_rad[0]), math.degrees(self.lon_rad[-1])
         return area_text(south, north, west, east)
-
-
-def area_text(south_deg: float, north_deg: float, west_deg: float, east_deg: float) -> str:
-    """An area for messages; its west edge from -180 to 180 as scenarios count, its east edge east of that."""
-    turns_deg = 360.0 * math.floor((west_deg + 180.0) / 360.0)
-    west_deg, east_deg = west_deg - turns_deg, east_deg - turns_deg
-    return f"{south_deg:.2f} to {north_deg:.2f} deg north, {west_deg:.2f} to {east_deg:.2f} deg east"
 
 
 def geodesic_m(lat_1_rad: Any, lon_1_rad: Any, lat_2_rad: Any, lon_2_rad: Any) -> Any:

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.whereabouts import place_text
+
 Floats = NDArray[np.float64]
 
 
@@ -22,10 +24,8 @@ class Moment:
     lon_deg: float
 
     def __str__(self) -> str:
-        north, east = "NS"[self.lat_deg < 0.0], "EW"[self.lon_deg < 0.0]
-        place = f"{abs(self.lat_deg):.2f} {north} {abs(self.lon_deg):.2f} {east}"
         measured = f"{number(self.value)} {self.unit}".rstrip()
-        return f"{measured} at {clock(self.time_s)}, {place}"
+        return f"{measured} at {clock(self.time_s)}, {place_text(self.lat_deg, self.lon_deg)}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 
 from planner.departure_table import clock, percent
 from planner.plans import GoalOutcome, NearestPlace, Plan
+from planner.whereabouts import place_text
 
 
 def plan_lines(plan: Plan, *, goal_alone: bool = False) -> Iterator[str]:
@@ -72,13 +73,9 @@ def _nearest(place: NearestPlace | None) -> str:
     if place is None:
         return ""
     return (
-        f"; nearest {_degrees(place.lat_deg, 'NS')} {_degrees(place.lon_deg, 'EW')}, "
+        f"; nearest {place_text(place.lat_deg, place.lon_deg)}, "
         f"{place.distance_m / 1000.0:.0f} km off, at {_hours(place.arrival_s)} h"
     )
-
-
-def _degrees(angle_deg: float, sides: str) -> str:
-    return f"{abs(angle_deg):.2f} {sides[angle_deg < 0.0]}"
 
 
 def _last_door(goal: GoalOutcome) -> str:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates
 from scipy.spatial import KDTree
 
+from planner.whereabouts import place_text
 from sim.errors import WeatherError
 from sim.weather.ground import Bounds, Window, spacing_deg
 
@@ -97,7 +98,7 @@ def regridding(window: Window, area_deg: Bounds | None) -> Regridding:
     if np.isnan(row).any():
         first = np.argwhere(np.isnan(row))[0]
         raise WeatherError(
-            f"its grid does not reach {lat_deg[first[0]]:.3f} deg north, {lon_deg[first[1]]:.3f} deg east; "
+            f"its grid does not reach {place_text(lat_deg[first[0]], lon_deg[first[1]], 3)}; "
             "choose an area inside, in [grid]"
         )
     return Regridding(lat_deg, lon_deg, row, column)

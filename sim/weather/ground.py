@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.grid import area_text
+from planner.whereabouts import area_text
 from sim.errors import WeatherError
 from sim.weather.axes import Axes
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from planner.grid import area_text
+from planner.whereabouts import area_text
 from sim.weather.survey import Quantity, Survey
 from sim.weather.tally import StageShare
 from sim.weather.times import utc

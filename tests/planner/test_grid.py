@@ -57,7 +57,9 @@ def test_half_a_cell_beyond_the_outermost_centres_is_still_on_the_grid() -> None
     half_rad = 0.499 * GULF.north_step_rad
     north_rad = float(GULF.lat_rad[-1])
     assert GULF.nearest_cell(north_rad + half_rad, float(GULF.lon_rad[0])) == (370, 0)
-    with pytest.raises(OutsideGridError, match=r"the goal at 34\.5.*covers 22\.50 to 34\.50.*move it inside"):
+    with pytest.raises(
+        OutsideGridError, match=r"the goal at 34\.5.*covers 22\.50 N to 34\.50 N.*move it inside"
+    ):
         GULF.nearest_cell(north_rad + 1.1 * half_rad, float(GULF.lon_rad[0]), "goal")
 
 

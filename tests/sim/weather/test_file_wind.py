@@ -113,7 +113,7 @@ def test_a_mission_beyond_the_files_time_or_area_is_refused(bring):
         bring({"wind.nc": wind((0, 1, 2))})
     box = ("grid.south_deg=50.1", "grid.north_deg=51.3", "grid.west_deg=4.1", "grid.east_deg=4.9")
     with pytest.raises(
-        WeatherError, match=r"wind\.nc covers 50\.\d\d to 51\.00 deg north, .* and does not hold all lat"
+        WeatherError, match=r"wind\.nc covers 50\.\d\d N to 51\.00 N, .* and does not hold all lat"
     ):
         bring({"wind.nc": wind()}, *box)
 
@@ -137,7 +137,7 @@ def test_a_truth_of_its_own_is_flown_through_and_not_planned_with(bring):
     assert weather.truth.at(*at).north_mps == pytest.approx(20.0)
     small = wind().isel(latitude=slice(0, 4))
     with pytest.raises(
-        WeatherError, match=r"the truth in small\.nc covers 50\.00 to 50\.60 deg north, .* planner's grid"
+        WeatherError, match=r"the truth in small\.nc covers 50\.00 N to 50\.60 N, .* planner's grid"
     ):
         bring(files | {"small.nc": small}, "weather.truth.file=small.nc")
     with pytest.raises(WeatherError, match=r"short\.nc holds .* but the mission takes"):

@@ -67,7 +67,7 @@ def test_longitudes_to_360_mean_the_same_area():
 )
 def test_an_area_outside_the_file_is_refused(bounds, word):
     with pytest.raises(
-        WeatherError, match=f"wind.nc covers 20.00 to 24.00 deg north, .* and does not hold all {word}"
+        WeatherError, match=f"wind.nc covers 20.00 N to 24.00 N, .* and does not hold all {word}"
     ):
         refined_grid(NATIVE, GridTable(3600.0, *bounds), "wind.nc")
 

@@ -144,7 +144,7 @@ def test_the_text_and_the_json_say_the_same(path):
     for line in (
         f"{path} (NetCDF-4)",
         "t2m       nothing (temperature)  K",
-        "area      50.00 to 53.00 deg north, -2.00 to 2.00 deg east; 7 x 9 points, 55.6 x 34.6 km apart",
+        "area      50.00 N to 53.00 N, 2.00 W to 2.00 E; 7 x 9 points, 55.6 x 34.6 km apart",
         "times     2024-02-28T22:00:00 to 2024-02-29T04:00:00 UTC, 5 times, every 1 h but for gaps",
         "gaps      2024-02-28T23:00:00 to 2024-02-29T02:00:00",
         "levels    10, 100 m above ground; taken for heights above the sea",
@@ -158,13 +158,13 @@ def test_the_text_and_the_json_say_the_same(path):
 
 
 @pytest.mark.parametrize(
-    ("turned_deg", "told"), [(360.0, "-2.00 to 2.00 deg east"), (179.0, "177.00 to 181.00 deg east")]
+    ("turned_deg", "told"), [(360.0, "2.00 W to 2.00 E"), (179.0, "177.00 E to 179.00 W")]
 )
-def test_an_area_is_told_as_scenarios_count_it(turned_deg, told, tmp_path):
+def test_an_area_is_told_east_and_west_of_greenwich(turned_deg, told, tmp_path):
     data = ensemble()
     data["longitude"] = data.longitude + turned_deg
     data.to_netcdf(tmp_path / "wind.nc")
-    assert f"north, {told};" in survey_text(survey([tmp_path / "wind.nc"]))
+    assert f" 53.00 N, {told};" in survey_text(survey([tmp_path / "wind.nc"]))
 
 
 def test_the_95th_percentile_is_never_above_the_highest(tmp_path):
