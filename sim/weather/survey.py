@@ -22,7 +22,7 @@ from sim.weather.spacing import evenly_spaced
 from sim.weather.spans import Spans, over_time
 from sim.weather.tally import STAGE_S, SpeedAtLevel, StageShare, Tally
 from sim.weather.units import METRES_PER_SECOND, factor
-from sim.weather.variables import Role
+from sim.weather.variables import HORIZONTAL, Role
 
 Floats = NDArray[np.float64]
 
@@ -31,7 +31,10 @@ _KM_PER_DEG = 111.195
 
 @dataclass(frozen=True, slots=True)
 class VariableSeen:
-    """A variable and what it is taken for; `problem` says why it cannot be used, if it cannot."""
+    """A variable and what it is taken for.
+
+    `problem` says why it cannot be used, if it cannot; `left_out` why it is not, where another one is.
+    """
 
     name: str
     taken_for: str | None
@@ -41,6 +44,7 @@ class VariableSeen:
     times: int
     members: int
     problem: str | None
+    left_out: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,6 +127,9 @@ def survey(paths: Sequence[Path], *, reading: Reading = Reading(), threshold_mps
             shown, why_not = _speed_alone(forecast, reading), str(error)
         if shown is None:
             return Survey(tuple(files), variables, None, False, why_not)
+        variables = tuple(
+            replace(seen, left_out=_left_out(forecast, shown, reading, seen)) for seen in variables
+        )
         quantity = _quantity(forecast, shown, reading, threshold_mps)
         if isinstance(shown, WindCubes):
             why_not = _why_not(shown, quantity, reading)
@@ -142,6 +149,29 @@ def _seen(forecast: Forecast, name: str) -> VariableSeen:
         return VariableSeen(name, role, says, unit, "", 0, 0, problem)
     levels = cube.levels.describe()
     return VariableSeen(name, role, says, unit, levels, cube.time_s.size, len(cube.members), None)
+
+
+def _left_out(
+    forecast: Forecast, shown: WindCubes | Cube, reading: Reading, seen: VariableSeen
+) -> str | None:
+    """Why a variable that could have been a part of what is shown is none; None where that is no question."""
+    cubes = [cube for cube in shown[:4] if cube] if isinstance(shown, WindCubes) else [shown]
+    names = list(dict.fromkeys(str(piece.values.name) for cube in cubes for piece in cube.pieces))
+    role = forecast.roles[seen.name]
+    if seen.name in names or seen.problem is not None:
+        return None
+    if isinstance(shown, Cube):
+        return f"the speed shown is that of {shown.name}" if role in (Role.GUST, Role.SPEED) else None
+    if role in HORIZONTAL:
+        return f"the wind is {shown.first.name} with {shown.second.name}"
+    if role is not Role.UP:
+        return None
+    if reading.variables is not None:
+        return f"{' and '.join(reading.variables)} alone are asked for"
+    rivals = [name for name, has in forecast.roles.items() if has is Role.UP and name != seen.name]
+    if rivals:
+        return f"{', '.join(rivals)} would do as well, and no upward wind is taken of several"
+    return f"it does not lie on the axes of {shown.first.name}"
 
 
 def _speed_alone(forecast: Forecast, reading: Reading) -> Cube | None:

@@ -46,6 +46,7 @@ def _variables(survey: Survey) -> list[str]:
             (seen.name, taken, seen.unit, seen.levels, str(seen.times or ""), str(seen.members or ""))
         )
     notes = [f"{seen.name}: {seen.problem}" for seen in survey.variables if seen.problem]
+    notes += [f"{seen.name}: left out; {seen.left_out}" for seen in survey.variables if seen.left_out]
     return [*_table(rows), *notes]
 
 

@@ -71,6 +71,9 @@ _PAIRS = (
     (Role.SPEED, Role.TOWARD),
 )
 
+HORIZONTAL = frozenset(role for pair in _PAIRS for role in pair)
+"""Roles of which two make a wind."""
+
 
 class WindNames(NamedTuple):
     """Two variables that make a wind: components, or a speed and a direction."""

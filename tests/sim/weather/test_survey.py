@@ -167,6 +167,43 @@ def test_an_area_is_told_east_and_west_of_greenwich(turned_deg, told, tmp_path):
     assert f" 53.00 N, {told};" in survey_text(survey([tmp_path / "wind.nc"]))
 
 
+def beside(data, tmp_path, **more):
+    """What is left out of a file that has more variables, by name."""
+    data.assign(more).to_netcdf(tmp_path / "wind.nc")
+    found = survey([tmp_path / "wind.nc"])
+    left_out = {seen.name: seen.left_out for seen in found.variables if seen.left_out}
+    assert all(f"\n{name}: left out; {why}\n" in survey_text(found) for name, why in left_out.items())
+    return left_out
+
+
+def test_a_second_variable_of_a_role_is_told_as_left_out(tmp_path):
+    data = ensemble()
+    other = data.u.isel(latitude=[0, 2, 4], longitude=[1, 3, 5]).rename(latitude="lat2", longitude="lon2")
+    eastward = {"units": "m s-1", "standard_name": "eastward_wind"}
+    assert beside(data, tmp_path, other=other.assign_attrs(eastward)) == {"other": "the wind is u with v"}
+
+
+def test_upward_winds_that_are_not_taken_are_told(tmp_path):
+    data, upward = ensemble(), {"units": "m s-1", "standard_name": "upward_air_velocity"}
+    rising = data.u.assign_attrs(upward)
+    assert beside(data, tmp_path, w=rising) == {}
+    assert beside(data, tmp_path, w=rising.isel(height=0, drop=True)) == {
+        "w": "it does not lie on the axes of u"
+    }
+    left_out = beside(data, tmp_path, w=rising, rising=rising)
+    assert left_out["w"] == "rising would do as well, and no upward wind is taken of several"
+    assert set(left_out) == {"w", "rising"}
+    named = survey([tmp_path / "wind.nc"], reading=Reading(("u", "v")))
+    assert {seen.name: seen.left_out for seen in named.variables}["w"] == "u and v alone are asked for"
+
+
+def test_one_of_two_gusts_is_shown(tmp_path):
+    gust = ensemble().u.assign_attrs(standard_name="wind_speed_of_gust")
+    left_out = beside(gust.to_dataset(name="fg"), tmp_path, gust=gust)
+    assert left_out == {"gust": "the speed shown is that of fg"}
+    assert beside(ensemble(), tmp_path, gust=gust) == {}  # a hazard may be made of it
+
+
 def test_the_95th_percentile_is_never_above_the_highest(tmp_path):
     data = ensemble()
     for name in ("u", "v"):
