@@ -69,13 +69,17 @@ class LimitRate(Struct, frozen=True):
 
 
 class WorstFlight(Struct, frozen=True):
-    """One of the worst, and the command that makes it again; `figure`: that by which it is among them."""
+    """One of the worst, and the command that makes it again; `figure`: that by which it is among them.
+
+    `passed`: it arrived and kept its limits, and is among them for want of worse ones.
+    """
 
     run: int
     seed: int
     overrides: tuple[str, ...]
     outcome: str
     reason: str
+    passed: bool
     limits_broken: tuple[str, ...]
     figure: float | None
     replay: str
@@ -187,7 +191,7 @@ def _spread(column: pa.ChunkedArray) -> Spread | None:
 
 def _worst(table: pa.Table, folder: Path, keep: Keep) -> Iterator[WorstFlight]:
     """Some of the flights without a recording, then the worst of the others."""
-    columns = ["run", "seed", "overrides", "outcome", "reason", "arrived", "limits", keep.by]
+    columns = ["run", "seed", "overrides", "outcome", "reason", "passed", "arrived", "limits", keep.by]
     rows = table.select(list(dict.fromkeys(columns)))
     is_flown = pc.is_valid(rows["arrived"])
     flown = sorted(rows.filter(is_flown).to_pylist(), key=keep.badness, reverse=True)
@@ -198,6 +202,7 @@ def _worst(table: pa.Table, folder: Path, keep: Keep) -> Iterator[WorstFlight]:
             overrides=tuple(row["overrides"]),
             outcome=row["outcome"],
             reason=row["reason"],
+            passed=row["passed"],
             limits_broken=tuple(limit["limit"] for limit in row["limits"] or () if not limit["passed"]),
             figure=row[keep.by],
             replay=f"galeway campaign replay {shlex.quote(str(folder))} {row['run']}",

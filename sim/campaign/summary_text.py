@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from recordings.figures import number
 from sim.campaign.progress import counted
-from sim.campaign.summary import FIGURES, UNFLOWN_SHOWN, Group, LimitRate, Spread, Summary
+from sim.campaign.summary import FIGURES, UNFLOWN_SHOWN, Group, LimitRate, Spread, Summary, WorstFlight
 
 _WIDEST = 48
 
@@ -28,9 +28,7 @@ def summary_text(summary: Summary) -> str:
         rows += [_row(group, names) for group in groups]
         labels = ["", *map(_label, groups)]
         lines += _columns([(label, *row) for label, row in zip(labels, rows, strict=True)])
-    if summary.worst:
-        order = f"up to {UNFLOWN_SHOWN} of each outcome without a recording, then by limits broken, then"
-        lines += ["", f"worst flights: {order} {summary.worst_by}", *_worst(summary)]
+    lines += _worst(summary)
     return "\n".join(lines)
 
 
@@ -85,12 +83,32 @@ def _spread(spread: Spread | None) -> str:
 
 
 def _worst(summary: Summary) -> Iterator[str]:
-    for flight in summary.worst:
-        settings = " ".join((*flight.overrides, f"seed={flight.seed}"))
-        figure = "" if flight.figure is None else f", {summary.worst_by} {number(flight.figure)}"
-        broken = f", broke {'; '.join(flight.limits_broken)}" if flight.limits_broken else ""
-        yield f"  {settings}: {flight.outcome} ({flight.reason}){figure}{broken}"
-        yield f"    {flight.replay}"
+    """Those that did not pass, and apart from them those that did."""
+    failed = [flight for flight in summary.worst if not flight.passed]
+    if failed:
+        order = (
+            f"up to {UNFLOWN_SHOWN} of each outcome without a recording, then those that did not arrive, then"
+        )
+        many = f"{len(failed)} of {counted(summary.all.flights - summary.all.passed)}"
+        yield ""
+        yield f"{many} that did not pass: {order} by limits broken and {summary.worst_by}"
+        for flight in failed:
+            yield from _flight(flight, summary.worst_by)
+    passed = [flight for flight in summary.worst if flight.passed]
+    if passed:
+        yield ""
+        many = f"{len(passed)} of {counted(summary.all.passed)}"
+        yield f"{many} that passed, those with the largest {summary.worst_by}"
+        for flight in passed:
+            yield from _flight(flight, summary.worst_by)
+
+
+def _flight(flight: WorstFlight, by: str) -> Iterator[str]:
+    settings = " ".join((*flight.overrides, f"seed={flight.seed}"))
+    figure = "" if flight.figure is None else f", {by} {number(flight.figure)}"
+    broken = f", broke {'; '.join(flight.limits_broken)}" if flight.limits_broken else ""
+    yield f"  {settings}: {flight.outcome} ({flight.reason}){figure}{broken}"
+    yield f"    {flight.replay}"
 
 
 def _columns(rows: Sequence[Sequence[str]]) -> list[str]:

@@ -116,6 +116,24 @@ def test_the_text_has_it_all(summary):
     assert f"  a.b={'x' * 43}…  " in text
 
 
+def test_flights_that_passed_are_told_apart_from_those_that_did_not(rows, tmp_path):
+    failed = [row for row in rows if not row["passed"] and row["outcome"] == "arrived"][:4]
+    good = [row for row in rows if row["passed"]]
+    text = summary_text(summary_of(failed + good, tmp_path / "x.parquet", len(failed + good)))
+    bad, fine = text.split("\n4 of 4 flights that did not pass: ")[1].split("\n\n")
+    assert fine.startswith(
+        f"6 of {len(good)} flights that passed, those with the largest cross_track_m.p95\n"
+    )
+    assert bad.count(", broke ") == bad.count("galeway campaign replay") == 4
+    assert fine.count("galeway campaign replay") == 6
+    assert "broke" not in fine
+    largest = sorted(good, key=lambda row: -row["cross_track_m.p95"])[:6]
+    assert [line.split()[-1] for line in fine.splitlines()[2::2]] == [str(row["run"]) for row in largest]
+    none_failed = summary_text(summary_of(good, tmp_path / "x.parquet", len(good)))
+    assert "did not pass" not in none_failed
+    assert f"10 of {len(good)} flights that passed, those with" in none_failed
+
+
 def test_of_many_reasons_some_are_told_and_how_many_flights_had_others(rows, tmp_path):
     lost = [row | {"reason": f"signal {row['run'] % 13}"} for row in rows if row["outcome"] == KINDS[5]]
     made = summary_of(lost, tmp_path / "x.parquet", len(lost))
