@@ -12,7 +12,7 @@ from sim.cli_aircraft import aircraft
 from sim.cli_campaign import campaign
 from sim.cli_check import check
 from sim.cli_fly import fly
-from sim.cli_options import BAD_INPUT, INTERRUPTED, load, scenario_options
+from sim.cli_options import BAD_INPUT, INTERRUPTED, TERMINATED, load, scenario_options
 from sim.cli_plan import plan
 from sim.cli_repair import repair
 from sim.cli_replay import picture, replay
@@ -23,14 +23,23 @@ from sim.interruption import terminated_as_interrupted
 
 def main() -> None:
     """Run a command; what a user can put right ends in one message and exit code 2."""
+    with terminated_as_interrupted() as was_terminated:
+        try:
+            _run()
+        except SystemExit as ended:
+            if ended.code == INTERRUPTED and was_terminated():
+                sys.exit(TERMINATED)
+            raise
+
+
+def _run() -> None:
     from aircraft.errors import AircraftError
     from planner.errors import PlannerError
     from recordings.errors import RecordingError
     from sim.errors import SimError
 
     try:
-        with terminated_as_interrupted():
-            commands(prog_name="galeway", standalone_mode=False)
+        commands(prog_name="galeway", standalone_mode=False)
     except (SimError, PlannerError, AircraftError, RecordingError) as error:
         click.secho(f"galeway: {error}", fg="red", err=True)
         sys.exit(BAD_INPUT)

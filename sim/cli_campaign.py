@@ -40,7 +40,7 @@ def campaign() -> None:
     """Fly SCENARIO many times: `galeway campaign SCENARIO --runs N --out DIR`, short for `campaign run`.
 
     Exit code 0: it is flown, whatever came of the flights; 1: with --fail-on failed, a flight did not pass;
-    2: bad input, or it cannot go on; 130: interrupted.
+    2: bad input, or it cannot go on; 130: interrupted (143: by SIGTERM).
     """
 
 
@@ -110,7 +110,7 @@ def run(
     flights; --seed is the first one's.
 
     Exit code 0: it is flown, whatever came of the flights; 1: with --fail-on failed, a flight did not pass;
-    2: bad input, or it cannot go on; 130: interrupted.
+    2: bad input, or it cannot go on; 130: interrupted (143: by SIGTERM).
     """
     from sim.campaign.campaign import Campaign
     from sim.campaign.design import Design

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 BAD_INPUT = 2
 FAILED = 1
 INTERRUPTED = 130
+TERMINATED = 143
+"""In place of it where SIGTERM interrupted: 128 and the number of the signal, as for Ctrl-C."""
 
 
 def scenario_options(command: Callable[..., Any]) -> Callable[..., Any]:

@@ -10,22 +10,31 @@ from types import FrameType
 
 
 @contextmanager
-def terminated_as_interrupted() -> Iterator[None]:
-    """Let SIGTERM, as of a batch system whose time is up, end what is done in the block as Ctrl-C does."""
+def terminated_as_interrupted() -> Iterator[Callable[[], bool]]:
+    """Let SIGTERM, as of a batch system whose time is up, end what is done in the block as Ctrl-C does.
+
+    Windows sends none.
+
+    Yields:
+        What tells whether there has been one.
+    """
     if threading.current_thread() is not threading.main_thread():
-        yield
+        yield lambda: False
         return
-    before = signal.signal(signal.SIGTERM, _interrupt)
+    terminated = False
+
+    def interrupt(_number: int, _frame: FrameType | None) -> None:
+        nonlocal terminated
+        terminated = True
+        if not callable(signal.getsignal(signal.SIGINT)):  # in the background of a script Ctrl-C is ignored
+            raise KeyboardInterrupt
+        signal.raise_signal(signal.SIGINT)
+
+    before = signal.signal(signal.SIGTERM, interrupt)
     try:
-        yield
+        yield lambda: terminated
     finally:
         signal.signal(signal.SIGTERM, before)
-
-
-def _interrupt(_number: int, _frame: FrameType | None) -> None:
-    if not callable(signal.getsignal(signal.SIGINT)):  # in the background of a script Ctrl-C is ignored
-        raise KeyboardInterrupt
-    signal.raise_signal(signal.SIGINT)
 
 
 @contextmanager

@@ -210,12 +210,15 @@ def _picklable(error: Exception) -> Exception:
 
 @contextmanager
 def _no_interrupt() -> Iterator[None]:
-    """Processes started here never hear of Ctrl-C, which a terminal sends to all; their parent ends them."""
+    """Processes started here hear neither of Ctrl-C nor of SIGTERM; their parent ends them.
+
+    A terminal sends the one to all, a batch system the other.
+    """
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
     resource_tracker.ensure_running()  # the first process would begin it, and it lets signals through again
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
     try:
         yield
     finally:

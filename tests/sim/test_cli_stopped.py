@@ -17,7 +17,7 @@ SHORT = str(Path(__file__).parent / "scenarios" / "short.toml")
 FAR = '[{name="There", lat_deg=29.1, lon_deg=-91.4}]'
 
 
-@pytest.mark.parametrize(("name", "code"), [("SIGINT", 130), ("SIGTERM", 130), ("SIGKILL", -signal.SIGKILL)])
+@pytest.mark.parametrize(("name", "code"), [("SIGINT", 130), ("SIGTERM", 143), ("SIGKILL", -signal.SIGKILL)])
 def test_a_flight_that_is_stopped_leaves_what_it_recorded(command, galeway, tmp_path, name, code):
     process = subprocess.Popen(
         [
@@ -45,7 +45,7 @@ def test_a_flight_that_is_stopped_leaves_what_it_recorded(command, galeway, tmp_
     _, stderr = process.communicate(timeout=60)
     assert process.returncode == code, stderr
     assert "Traceback" not in stderr
-    assert (f"galeway: interrupted; recorded so far: {partial}" in stderr) == (code == 130)
+    assert (f"galeway: interrupted; recorded so far: {partial}" in stderr) == (code > 0)
     assert not (tmp_path / "flight.mcap").exists()
     checked = galeway("check", str(partial), "--json")
     assert checked.returncode == 1

@@ -66,8 +66,9 @@ def test_the_second_one_does_not_wait():
 
 def test_sigterm_waits_as_it_does():
     done, before = [], signal.getsignal(signal.SIGTERM)
-    with pytest.raises(KeyboardInterrupt), terminated_as_interrupted():
+    with pytest.raises(KeyboardInterrupt), terminated_as_interrupted() as was_terminated:
         do(lambda _: signal.raise_signal(signal.SIGTERM), lambda _: done.append("this round"), let_in_now)
+    assert was_terminated()
     assert done == ["this round"]
     assert signal.getsignal(signal.SIGTERM) is before
 
