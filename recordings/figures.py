@@ -122,7 +122,8 @@ def unit_of(name: str) -> str:
 
 
 def number(value: float) -> str:
-    """A number in as many digits as say something."""
+    """A number in as many digits as say something; zero has no sign."""
+    value += 0.0  # which makes 0.0 of -0.0
     return f"{value:.1f}".removesuffix(".0") if abs(value) >= 1000.0 else f"{value:.4g}"
 
 

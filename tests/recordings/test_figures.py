@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from recordings.figures import Extent, Largest, Places, Spread, Statistics, clock_tenths
+from recordings.figures import Extent, Largest, Places, Spread, Statistics, clock_tenths, number
 
 
 @pytest.fixture
@@ -45,6 +45,13 @@ def test_a_moment_without_a_unit_has_one_space(places):
 )
 def test_a_clock_with_tenths(time_s, text):
     assert clock_tenths(time_s) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(-0.0, "0"), (0.0, "0"), (-0.25, "-0.25"), (0.45341, "0.4534"), (1080.04, "1080")]
+)
+def test_a_number_has_the_digits_that_say_something(value, text):
+    assert number(value) == text
 
 
 def test_nothing_is_none(places):
