@@ -125,12 +125,16 @@ def test_the_readmes_commands_run_as_they_stand(galeway, tmp_path, arguments):
     assert galeway(*arguments, cwd=tmp_path).returncode == 0
 
 
-def test_the_readmes_limits_hold(ian, galeway, tmp_path):
-    (limits,) = [part.split("```")[0] for part in readme().split("```toml\n# limits.toml\n")[1:]]
+@pytest.mark.parametrize(
+    ("page", "begins", "count"), [("README.md", "# limits.toml\n", 5), ("docs/limits.md", "limits = [\n", 18)]
+)
+def test_the_limits_that_pages_show_hold(ian, galeway, tmp_path, page, begins, count):
+    text = (Path(__file__).parents[1] / page).read_text(encoding="utf-8")
+    limits, *_ = [begins + part.split("```")[0] for part in text.split(f"```toml\n{begins}")[1:]]
     (tmp_path / "limits.toml").write_text(limits)
     done = galeway("check", str(ian[1] / "flight.mcap"), "--limits", str(tmp_path / "limits.toml"))
     assert done.returncode == 0, done.stdout
-    assert done.stdout.count("PASS") == 5
+    assert done.stdout.count("PASS") == count
 
 
 def test_the_readmes_code_runs(ian, tmp_path):
