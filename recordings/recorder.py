@@ -30,7 +30,6 @@ class Outcome(StrEnum):
     DIVERTED = "diverted"  # at another of the mission's goals
     RETURNED = "returned"  # at the start
     NO_ROUTE = "no_route"  # it waited for a way to the goal to the end
-    INTERRUPTED = "interrupted"
     INCOMPLETE = "incomplete"  # what a reader says of a recording that just stops, and what repair writes
 
 

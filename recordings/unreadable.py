@@ -19,8 +19,11 @@ def unreadable(path: Path, error: OSError) -> BadRecordingError:
 def _meant(path: Path) -> str:
     folder = path if path.is_dir() else path.parent
     names = sorted(one.name for one in folder.glob("*") if one.suffix in _SUFFIXES)
-    if path.is_dir() and names:
-        return f"; give a file in it: {_listed(folder, names)}"
+    if path.is_dir():
+        in_it = (
+            f"a file in it: {_listed(folder, names)}" if names else "the file of a flight, *.mcap or *.rrd"
+        )
+        return f"; give {in_it}"
     left = f"{path.stem}.partial{path.suffix}"
     if left in names:
         remedy = (

@@ -38,6 +38,10 @@ def test_the_recordings_of_a_folder_are_named(folder):
     assert refusal(folder).endswith(f"{folder / '2.mcap'} or another")
 
 
+def test_a_folder_without_recordings_is_told_what_is_wanted(tmp_path):
+    assert refusal(tmp_path).endswith("Is a directory; give the file of a flight, *.mcap or *.rrd")
+
+
 def test_where_nothing_is_like_it_nothing_is_guessed(folder, tmp_path):
     assert refusal(folder / "xyz").endswith("No such file or directory")
     assert refusal(tmp_path / "lost" / "flight.mcap").endswith("No such file or directory")

@@ -30,7 +30,7 @@ LIMITS = (
     'never "engine"',
     '"departure" before 0:01',
     "arrived before 0:19",
-    'outcome != "interrupted"',
+    'outcome != "left_weather"',
 )
 EARTH_RADIUS_M = 6.37e6
 
@@ -121,7 +121,10 @@ WRONG = {
     ),
     "crashed": (lambda log: replace(log, outcome=Outcome.CRASHED), {"never crashed"}),
     "out of fuel": (lambda log: replace(log, outcome=Outcome.FUEL_OUT), {"never fuel_out"}),
-    "interrupted": (lambda log: replace(log, outcome=Outcome.INTERRUPTED), {'outcome != "interrupted"'}),
+    "out of the weather": (
+        lambda log: replace(log, outcome=Outcome.LEFT_WEATHER),
+        {'outcome != "left_weather"'},
+    ),
     "engine": (
         lambda log: replace(log, events=(*log.events, Event(500.0, "fault: the engine is stopped"))),
         {'never "engine"'},
